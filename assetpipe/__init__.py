@@ -1,0 +1,3 @@
+"""Collision assets for robots: certified convex decomposition, written and proved."""
+
+__version__ = "0.1.0"

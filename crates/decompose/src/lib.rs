@@ -1,0 +1,1 @@
+//! Collision-aware approximate convex decomposition of solids.

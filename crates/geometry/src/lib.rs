@@ -1,0 +1,11 @@
+//! Solids, planes, hulls, cuts and distances: pure geometry.
+//!
+//! No I/O, no printing, no Python. Signs of orientation are decided exactly
+//! (`predicates`); every epsilon lives in `tolerance` and scales with the mesh.
+
+pub mod mesh;
+pub mod plane;
+
+pub use glam::DVec3;
+pub use mesh::Mesh;
+pub use plane::Plane;

@@ -1,0 +1,1 @@
+//! Approximate convex decomposition of polygons, and convex sets inside them.
