@@ -317,6 +317,7 @@ SHAPES = {
         "wrist_roll_link.stl": arm_wrist_roll,
         "wrist_pitch_link.obj": arm_wrist_pitch,
         "flange_link.ply": arm_flange,
+        "flange_visual.obj": arm_flange,  # PyBullet refuses PLY as a visual
         "palm_link.obj": gripper_palm,
         "finger_link.stl": gripper_finger,
     },
