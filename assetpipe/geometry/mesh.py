@@ -140,6 +140,6 @@ class Mesh:
 
     def to_trimesh(self) -> trimesh.Trimesh:
         """A ``trimesh.Trimesh`` copy, not processed."""
-        import trimesh  # noqa: PLC0415 - slow to import
+        import trimesh  # slow to import
 
         return trimesh.Trimesh(self.vertices.copy(), self.faces.copy(), process=False)
