@@ -3,8 +3,13 @@
 //! No I/O, no printing, no Python. Signs of orientation are decided exactly
 //! (`predicates`); every epsilon lives in `tolerance` and scales with the mesh.
 
+pub mod bvh;
+pub mod distance;
+pub mod hull;
 pub mod mesh;
 pub mod plane;
+pub mod predicates;
+pub mod sample;
 
 pub use glam::DVec3;
 pub use mesh::Mesh;

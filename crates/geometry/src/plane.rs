@@ -11,3 +11,40 @@ pub struct Plane {
     /// Value of `normal · x` on the plane.
     pub offset: f64,
 }
+
+impl Plane {
+    /// The plane on which coordinate `axis` (0, 1, 2) equals `value`, above towards larger values.
+    pub fn axis_aligned(axis: usize, value: f64) -> Self {
+        Self {
+            normal: DVec3::AXES[axis],
+            offset: value,
+        }
+    }
+
+    /// The same points with above and below exchanged.
+    #[must_use]
+    pub fn flipped(&self) -> Self {
+        Self {
+            normal: -self.normal,
+            offset: -self.offset,
+        }
+    }
+
+    /// The coordinate this plane fixes, with the normal's component along it,
+    /// if the other two components are zero.
+    pub fn axis(&self) -> Option<(usize, f64)> {
+        let n = self.normal;
+        match (n.x != 0.0, n.y != 0.0, n.z != 0.0) {
+            (true, false, false) => Some((0, n.x)),
+            (false, true, false) => Some((1, n.y)),
+            (false, false, true) => Some((2, n.z)),
+            _ => None,
+        }
+    }
+
+    /// `normal · x - offset`, rounded. Its sign is decided by
+    /// [`predicates::side`](crate::predicates::side).
+    pub fn evaluate(&self, x: DVec3) -> f64 {
+        self.normal.dot(x) - self.offset
+    }
+}
