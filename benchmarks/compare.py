@@ -52,7 +52,8 @@ def main() -> None:
                     (x["hulls"] / y["hulls"], x["vertices"] / y["vertices"], speed, *over)
                 )
             print(
-                f"| {k[1]}{'' if x['closed'] else ' (open)'} | {x['faces']} | {x['hulls']} / {y['hulls']} | "
+                f"| {k[1]}{'' if x['closed'] else ' (open)'} | {x['faces']} | "
+                f"{x['hulls']} / {y['hulls']} | "
                 f"{x['vertices']} / {y['vertices']} | {x['cpu_s']:.2f} / {y['cpu_s']:.2f} | "
                 f"{speed:.0f}× | {over[0]:.3f} / {over[1]:.3f} |"
             )
