@@ -2,7 +2,7 @@
 
 A finding is data. It is the unit of ``check``, of reports, of SARIF and JUnit.
 Codes are stable: AP1xx reading, AP2xx meshes and repair, AP3xx decomposition,
-AP4xx validation, AP5xx engine profiles, AP9xx our own faults.
+AP4xx validation, AP5xx engine profiles, AP6xx built packages, AP9xx our own faults.
 """
 
 from __future__ import annotations
@@ -111,6 +111,9 @@ CODES: dict[str, str] = {
     "AP502": "hull has more faces than the engine allows",
     "AP503": "hull is too thin for the engine",
     "AP504": "hull has more faces around a vertex than the engine allows",
+    # built packages
+    "AP601": "built package is out of date",
+    "AP602": "generated file was changed or is missing",
     # our own faults
     "AP901": "internal fault",
 }

@@ -1,0 +1,222 @@
+"""One distinct mesh: read → examine → repair → decompose → contact truth.
+
+Runs in a worker process. What goes wrong with the mesh is a finding in the answer;
+the hulls are handed over before they are validated, so that a validation that fails
+does not cost them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assetpipe.decomposition.tolerance import Tolerance
+from assetpipe.errors import AssetpipeError, EngineError, InputError, LimitError, MeshError
+from assetpipe.findings import Finding, Severity
+from assetpipe.geometry.mesh import Mesh
+from assetpipe.pipeline.outcome import HullOutcome, MeshOutcome
+from assetpipe.pipeline.stages import Reporter
+
+if TYPE_CHECKING:
+    from assetpipe.decomposition import Decomposition
+    from assetpipe.geometry import Repaired
+
+
+def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
+    """See :func:`work`; the request is :meth:`assetpipe.pipeline.plan.MeshJob.request`."""
+    return work(request, reporter).encode()
+
+
+def work(request: Mapping[str, Any], reporter: Reporter) -> MeshOutcome:
+    """Everything that is done for one mesh."""
+    facts: dict[str, Any] = {}
+    findings: list[Finding] = []
+
+    def kept() -> MeshOutcome:
+        return MeshOutcome("kept", (), tuple(findings), facts)
+
+    reporter.stage("read")
+    mesh = _read(request, facts, findings)
+    if mesh is None:
+        return kept()
+    reporter.stage("repair")
+    repaired = _solid(mesh, request, facts, findings)
+    if repaired is None or repaired.solid is None:
+        return kept()
+    solid = repaired.solid
+    reporter.stage("decompose")
+    hulls = _decompose(solid, request, facts, findings, reporter)
+    if hulls is None:
+        return kept()
+    outcome = MeshOutcome("decomposed", hulls, tuple(findings), facts)
+    if request["contact"] is None:
+        return outcome
+    reporter.partial(outcome.encode())
+    reporter.stage("validate")
+    _contact(solid, hulls, request["contact"], facts, findings)
+    return MeshOutcome("decomposed", hulls, tuple(findings), facts)
+
+
+def _read(
+    request: Mapping[str, Any], facts: dict[str, Any], findings: list[Finding]
+) -> Mesh | None:
+    from assetpipe.geometry import FileLimits, read_mesh  # noqa: PLC0415 - slow to import
+
+    params = request["params"]
+    limits = FileLimits(bytes=params["file_size"], faces=params["faces"])
+    try:
+        loaded = read_mesh(Path(request["path"]), limits=limits)
+        mesh = loaded.mesh.scaled(np.asarray(request["scale"]))
+    except LimitError as error:
+        findings.append(Finding("AP206", Severity.ERROR, error.message))
+        return None
+    except MeshError as error:
+        code = "AP205" if "finite" in error.message else "AP102"
+        findings.append(Finding(code, Severity.ERROR, error.message))
+        return None
+    except InputError as error:
+        findings.append(Finding("AP102", Severity.ERROR, _relative(error)))
+        return None
+    facts["faces"] = len(mesh.faces)
+    facts["diagonal"] = mesh.diagonal
+    facts["notes"] = list(loaded.notes)
+    findings += [Finding("AP106", Severity.NOTE, note) for note in loaded.notes]
+    return mesh
+
+
+def _relative(error: AssetpipeError) -> str:
+    """The message without this machine's folders; the file is named by the reference."""
+    if error.location is None or error.location.line is None:
+        return error.message
+    return f"line {error.location.line}: {error.message}"
+
+
+def _solid(
+    mesh: Mesh, request: Mapping[str, Any], facts: dict[str, Any], findings: list[Finding]
+) -> Repaired | None:
+    from assetpipe.geometry import RepairPolicy, examine, repair  # noqa: PLC0415
+
+    params = request["params"]
+    value, unit = params["repair_budget"]
+    facts["health"] = examine(mesh).as_dict()
+    policy = RepairPolicy(
+        mode=params["repair"], budget=value, budget_unit=unit, cavities=params["cavities"]
+    )
+    try:
+        repaired = repair(mesh, policy=policy)
+    except LimitError as error:
+        findings.append(Finding("AP206", Severity.ERROR, error.message))
+        return None
+    facts["repair"] = repaired.as_dict()
+    findings += repaired.findings
+    if repaired.solid is None and not any(f.severity is Severity.ERROR for f in repaired.findings):
+        findings.append(Finding("AP202", Severity.ERROR, "the mesh cannot be made a solid"))
+    return repaired
+
+
+def _decompose(
+    solid: Mesh,
+    request: Mapping[str, Any],
+    facts: dict[str, Any],
+    findings: list[Finding],
+    reporter: Reporter,
+) -> tuple[HullOutcome, ...] | None:
+    from assetpipe.decomposition import decompose_with  # noqa: PLC0415
+
+    params = request["params"]
+    tolerance = Tolerance(*params["tolerance"])
+    facts["tolerance"] = tolerance.on(solid)
+    facts["volume"] = solid.volume
+    try:
+        result: Decomposition = decompose_with(
+            params["engine"],
+            solid,
+            tolerance,
+            metric=params["metric"],
+            effort=params["effort"],
+            seed=params["seed"],
+            threads=int(os.environ.get("ASSETPIPE_THREADS", "1")),
+            max_hulls=params["max_hulls"],
+            max_hull_vertices=params["max_hull_vertices"],
+            cavities=params["cavities"],
+            reach=params["reach"],
+            on_progress=lambda done: reporter.stage("decompose", float(done)),
+        )
+    except LimitError as error:
+        findings.append(Finding("AP301", Severity.ERROR, error.message))
+        return None
+    except EngineError as error:
+        findings.append(Finding("AP901", Severity.ERROR, error.message))
+        return None
+    except MeshError as error:
+        findings.append(Finding("AP303", Severity.ERROR, error.message))
+        return None
+    hulls = tuple(
+        HullOutcome(
+            Mesh(hull.vertices, hull.faces),
+            (hull.certificate.thickening.lower, hull.certificate.thickening.upper),
+            (hull.certificate.concavity.lower, hull.certificate.concavity.upper)
+            if hull.certificate.concavity
+            else None,
+        )
+        for hull in result.hulls
+    )
+    if not hulls:
+        findings.append(Finding("AP303", Severity.ERROR, "the engine returned no hull"))
+        return None
+    facts["certificate"] = result.certificate.as_dict()
+    facts["hulls"] = len(hulls)
+    facts["hull_vertices"] = sum(len(h.mesh.vertices) for h in hulls)
+    allowed = facts["tolerance"]
+    bound = result.certificate.upper
+    if params["engine"] == "assetpipe" and params["metric"] == "concavity":
+        bound = result.certificate.concavity.upper if result.certificate.concavity else bound
+    if bound > allowed * (1 + 1e-9):
+        findings.append(
+            Finding(
+                "AP302",
+                Severity.WARNING,
+                f"certified {params['metric']} {bound * 1000:.3g} mm exceeds the tolerance "
+                f"{allowed * 1000:.3g} mm with {len(hulls)} hulls",
+                hint=_budget_hint(params),
+            )
+        )
+    return hulls
+
+
+def _budget_hint(params: Mapping[str, Any]) -> str:
+    if params["engine"] != "assetpipe":
+        return f"engine {params['engine']} does not bound what it does"
+    if params["max_hulls"] is not None or params["max_hull_vertices"] is not None:
+        return "allow more hulls or vertices, or a larger tolerance"
+    return "allow a larger tolerance"
+
+
+def _contact(
+    solid: Mesh,
+    hulls: tuple[HullOutcome, ...],
+    settings: Mapping[str, Any],
+    facts: dict[str, Any],
+    findings: list[Finding],
+) -> None:
+    from assetpipe.validation.contact import contact_truth  # noqa: PLC0415
+
+    try:
+        truth = contact_truth(
+            solid,
+            [hull.mesh for hull in hulls],
+            max(hull.thickening[1] for hull in hulls),
+            samples=settings["samples"],
+            seed=settings["seed"],
+        )
+    except AssetpipeError as error:
+        findings.append(
+            Finding("AP411", Severity.WARNING, f"contact truth could not be told: {error.message}")
+        )
+        return
+    facts["contact"] = truth.as_dict()
+    findings += truth.findings()
