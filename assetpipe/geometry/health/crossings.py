@@ -1,0 +1,142 @@
+"""Pairs of faces that cross: a box tree walked level by level, then exact-sided tests."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from assetpipe.geometry.mesh import FloatArray, IntArray
+
+_PAIRS = 12_000_000
+_CHUNK = 200_000
+_EPSILON = 1e-13
+
+
+def crossing_faces(
+    vertices: FloatArray, faces: IntArray, *, pairs: int = _PAIRS
+) -> IntArray | None:
+    """(k, 2) pairs of faces that properly cross each other, the smaller index first.
+
+    Faces that share an edge, touch, or overlap within one plane do not count: an edge of
+    one must pass through the inside of the other. Faces that share one vertex count if
+    the edge opposite to it does.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3), none degenerate.
+        pairs: how many pairs of boxes may be looked at on one level of the tree.
+
+    Returns:
+        The pairs, or ``None`` if more boxes overlap than ``pairs``.
+    """
+    corners = vertices[faces]
+    centre = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2.0
+    corners = corners - centre
+    size = float(np.abs(corners).max(initial=0.0))
+    if size == 0.0:
+        return np.zeros((0, 2), dtype=np.int64)
+    corners = corners / size
+    near = _overlapping(corners.min(axis=1), corners.max(axis=1), pairs)
+    if near is None:
+        return None
+    found = [
+        part[_cross(corners, faces, part)]
+        for part in (near[at : at + _CHUNK] for at in range(0, len(near), _CHUNK))
+    ]
+    result = np.concatenate([np.zeros((0, 2), dtype=np.int64), *found])
+    result = np.sort(result, axis=1)
+    return result[np.lexsort((result[:, 1], result[:, 0]))]
+
+
+def _overlapping(low: FloatArray, high: FloatArray, limit: int) -> IntArray | None:
+    """(k, 2) pairs of overlapping boxes, by a binary tree over the boxes in Morton order."""
+    number = len(low)
+    order = _morton_order((low + high) / 2.0)
+    depth = max(0, int(np.ceil(np.log2(max(1, number)))))
+    leaves = 1 << depth
+    padded_low = np.full((leaves, 3), np.inf)
+    padded_high = np.full((leaves, 3), -np.inf)
+    padded_low[:number], padded_high[:number] = low[order], high[order]
+    levels = [(padded_low, padded_high)]
+    while len(levels[-1][0]) > 1:
+        a, b = levels[-1]
+        levels.append((np.minimum(a[::2], a[1::2]), np.maximum(b[::2], b[1::2])))
+    left = right = np.zeros(1, dtype=np.int64)
+    for a, b in reversed(levels[:-1]):
+        same = left == right
+        pairs_left = np.concatenate([2 * left, 2 * left, 2 * left + 1, (2 * left + 1)[~same]])
+        pairs_right = np.concatenate([2 * right, 2 * right + 1, 2 * right + 1, (2 * right)[~same]])
+        if len(pairs_left) > limit:
+            return None
+        meet = np.ones(len(pairs_left), dtype=bool)
+        for axis in range(3):
+            meet &= a[pairs_left, axis] <= b[pairs_right, axis]
+            meet &= a[pairs_right, axis] <= b[pairs_left, axis]
+        left, right = pairs_left[meet], pairs_right[meet]
+    distinct = left != right
+    return np.stack([order[left[distinct]], order[right[distinct]]], axis=1)
+
+
+def _morton_order(points: FloatArray) -> IntArray:
+    """Order along the Z curve."""
+    low = points.min(axis=0)
+    extent = max(float((points - low).max(initial=0.0)), np.finfo(float).tiny)
+    cells = ((points - low) / extent * (2**20 - 1)).astype(np.uint64)
+    code = np.zeros(len(points), dtype=np.uint64)
+    for axis in range(3):
+        code |= _spread(cells[:, axis]) << np.uint64(axis)
+    return np.argsort(code, kind="stable")
+
+
+def _spread(x: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
+    """Two zero bits between the bits of 21-bit numbers."""
+    for shift, mask in (
+        (32, 0x1F00000000FFFF),
+        (16, 0x1F0000FF0000FF),
+        (8, 0x100F00F00F00F00F),
+        (4, 0x10C30C30C30C30C3),
+        (2, 0x1249249249249249),
+    ):
+        x = (x | (x << np.uint64(shift))) & np.uint64(mask)
+    return x
+
+
+def _cross(corners: FloatArray, faces: IntArray, pairs: IntArray) -> npt.NDArray[np.bool_]:
+    """Which pairs of faces cross."""
+    a, b = pairs.T
+    shared = faces[a][:, :, None] == faces[b][:, None, :]
+    common = shared.sum(axis=(1, 2))
+    result = np.zeros(len(pairs), dtype=bool)
+    for k in range(3):
+        start, end = corners[a, k], corners[a, (k + 1) % 3]
+        free = (common == 0) | ((common == 1) & ~shared[:, [k, (k + 1) % 3]].any(axis=(1, 2)))
+        result[free] |= _pierces(start[free], end[free], corners[b[free]])
+        start, end = corners[b, k], corners[b, (k + 1) % 3]
+        free = (common == 0) | ((common == 1) & ~shared[:, :, [k, (k + 1) % 3]].any(axis=(1, 2)))
+        result[free] |= _pierces(start[free], end[free], corners[a[free]])
+    return result
+
+
+def _pierces(start: FloatArray, end: FloatArray, triangle: FloatArray) -> npt.NDArray[np.bool_]:
+    """Whether open segments pass through the inside of triangles."""
+    p, q, r = triangle[:, 0], triangle[:, 1], triangle[:, 2]
+    below, above = _volume(start, p, q, r), _volume(end, p, q, r)
+    one, two, three = (
+        _volume(start, end, p, q),
+        _volume(start, end, q, r),
+        _volume(start, end, r, p),
+    )
+    opposite = ((below > _EPSILON) & (above < -_EPSILON)) | (
+        (below < -_EPSILON) & (above > _EPSILON)
+    )
+    inside = ((one > _EPSILON) & (two > _EPSILON) & (three > _EPSILON)) | (
+        (one < -_EPSILON) & (two < -_EPSILON) & (three < -_EPSILON)
+    )
+    result: npt.NDArray[np.bool_] = opposite & inside
+    return result
+
+
+def _volume(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
+    """Six times the signed volume of tetrahedra."""
+    result: FloatArray = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
+    return result

@@ -1,0 +1,254 @@
+"""Closed shells made one solid: nesting, cavities, union.
+
+The union is manifold3d's: Smith, J. "Guaranteed-manifold mesh Boolean operations",
+run in float64 on a centred unit copy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from assetpipe.geometry.health.topology import Edges, components, face_components
+from assetpipe.geometry.health.weld import referenced
+from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.frame import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """One connected, closed, consistently wound piece of surface, in units.
+
+    Attributes:
+        vertices: (n, 3).
+        faces: (m, 3).
+        volume: signed; negative for one that faces inward.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    volume: float
+
+    @classmethod
+    def of(cls, vertices: FloatArray, faces: IntArray) -> Shell:
+        """A shell of its own arrays."""
+        vertices, faces = referenced(vertices, faces)
+        return cls(vertices, faces, signed_volume(vertices, faces))
+
+    def reversed(self) -> Shell:
+        """The same surface, facing the other way."""
+        return Shell(self.vertices, self.faces[:, ::-1], -self.volume)
+
+
+@dataclass(frozen=True, eq=False)
+class Nest:
+    """How shells lie in each other.
+
+    Attributes:
+        shells: outermost ones turned outward, with them what lies inside.
+        inverted: how many outermost shells were inside-out.
+        parent: index of the smallest shell around each shell, or -1.
+        touching: pairs whose boxes overlap without one lying wholly inside the other.
+    """
+
+    shells: tuple[Shell, ...]
+    inverted: int
+    parent: tuple[int, ...]
+    touching: int
+
+
+def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
+    """Volume that (vertices, faces) enclose, about their own centre."""
+    if not len(faces):
+        return 0.0
+    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
+    a, b, c = (vertices[faces[:, k]] - centre for k in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+
+
+def shells_of(vertices: FloatArray, faces: IntArray) -> list[Shell]:
+    """Each edge-connected component on its own, in the order of its first face."""
+    number, label = face_components(Edges.of(faces, len(vertices)))
+    if number == 1:
+        return [Shell.of(vertices, faces)]
+    order = np.argsort(label, kind="stable")
+    bounds = np.searchsorted(label[order], np.arange(number + 1))
+    return [Shell.of(vertices, faces[order[bounds[i] : bounds[i + 1]]]) for i in range(number)]
+
+
+def nest(shells: list[Shell]) -> Nest:
+    """Find which shell lies in which, and turn the outermost outward.
+
+    A shell that lies inside another keeps its winding *relative* to the outermost one
+    around it, so that a mirrored file with a cavity stays a part with a cavity.
+    """
+    number = len(shells)
+    low = np.array([shell.vertices.min(axis=0) for shell in shells])
+    high = np.array([shell.vertices.max(axis=0) for shell in shells])
+    size = np.array([abs(shell.volume) for shell in shells])
+    parent = [-1] * number
+    roots = list(range(number))
+    touching = 0
+    for i in range(number):
+        around = np.flatnonzero((low <= low[i]).all(axis=1) & (high >= high[i]).all(axis=1))
+        around = around[(around != i) & (size[around] > size[i])]
+        holders = [int(j) for j in around if _contains(shells[int(j)], shells[i])]
+        if holders:
+            parent[i] = min(holders, key=lambda j: (size[j], j))
+        overlap = ((low <= high[i]) & (high >= low[i])).all(axis=1)
+        overlap[i] = False
+        overlap[[j for j in holders if j != i]] = False
+        touching += int(overlap.sum())
+    for i in range(number):
+        while parent[roots[i]] >= 0:
+            roots[i] = parent[roots[i]]
+    turned = [
+        shell.reversed() if shells[root].volume < 0.0 else shell
+        for shell, root in zip(shells, roots, strict=True)
+    ]
+    inverted = sum(1 for i in range(number) if parent[i] < 0 and shells[i].volume < 0.0)
+    return Nest(tuple(turned), inverted, tuple(parent), touching)
+
+
+def _contains(outer: Shell, inner: Shell) -> bool:
+    """Whether the vertices of ``inner`` (at most 32 of them) all lie within ``outer``."""
+    import igl
+
+    step = max(1, len(inner.vertices) // 32)
+    winding = igl.winding_number(outer.vertices, outer.faces, inner.vertices[::step])
+    return bool((np.abs(winding) > 0.5).all())
+
+
+@dataclass(frozen=True, eq=False)
+class United:
+    """Shells made one.
+
+    Attributes:
+        vertices: (n, 3) units.
+        faces: (m, 3).
+        cavities: enclosed voids found.
+        buried: shells that lay wholly inside others and facing outward.
+        joined: ``"apart"`` if the shells did not overlap and were only put side by side.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    cavities: int
+    buried: int
+    joined: Literal["apart", "union"]
+
+
+def unite(nested: Nest, cavities: Literal["keep", "fill"]) -> United | None:
+    """The union of all bodies, each an outward shell less the cavities right inside it.
+
+    Returns:
+        ``None`` if manifold3d refuses a shell.
+    """
+    shells, parent = nested.shells, nested.parent
+    hollow = [parent[i] >= 0 and shells[i].volume < 0.0 for i in range(len(shells))]
+    outward = [i for i in range(len(shells)) if not hollow[i]]
+    inside = [i for i in outward if parent[i] >= 0 and not hollow[parent[i]]]
+    voids = [i for i in range(len(shells)) if hollow[i] and not hollow[parent[i]]]
+    kept = voids if cavities == "keep" else []
+    if cavities == "fill":
+        # What floats in a filled cavity is buried.
+        inside = [i for i in outward if parent[i] >= 0]
+    alone = nested.touching == 0
+    bodies = [i for i in outward if i not in set(inside)]
+    if alone:
+        parts = [shells[i] for i in sorted([*bodies, *kept])]
+        vertices, faces = put_together(parts)
+        return United(vertices, faces, len(voids), len(inside), "apart")
+    merged = _boolean(shells, bodies + inside, kept, parent)
+    if merged is None:
+        return None
+    return United(*merged, len(voids), len(inside), "union")
+
+
+def put_together(parts: list[Shell]) -> tuple[FloatArray, IntArray]:
+    """Arrays of all parts, one after the other."""
+    offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    return (
+        np.concatenate([part.vertices for part in parts]),
+        np.concatenate([part.faces + at for part, at in zip(parts, offsets, strict=False)]),
+    )
+
+
+def manifold_of(vertices: FloatArray, faces: IntArray) -> Any | None:
+    """A manifold3d solid of closed arrays, or ``None`` if it refuses them."""
+    import manifold3d
+
+    # Mesh64 refuses read-only arrays.
+    solid = manifold3d.Manifold(
+        manifold3d.Mesh64(
+            np.array(vertices, dtype=np.float64, order="C"),
+            np.array(faces, dtype=np.uint64, order="C"),
+        )
+    )
+    if solid.status() != manifold3d.Error.NoError or solid.is_empty():
+        return None
+    return solid
+
+
+def arrays_of(solid: Any) -> tuple[FloatArray, IntArray]:
+    """Vertices and faces of a manifold3d solid."""
+    mesh = solid.to_mesh64()
+    vertices = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
+    faces = np.array(mesh.tri_verts, dtype=np.int64)
+    if len(mesh.merge_from_vert):
+        to = np.arange(len(vertices))
+        to[np.array(mesh.merge_from_vert, dtype=np.int64)] = np.array(
+            mesh.merge_to_vert, dtype=np.int64
+        )
+        faces = to[faces]
+    return referenced(vertices, faces)
+
+
+def _boolean(
+    shells: tuple[Shell, ...], bodies: list[int], voids: list[int], parent: tuple[int, ...]
+) -> tuple[FloatArray, IntArray] | None:
+    import manifold3d
+
+    solids: list[Any] = []
+    for i in bodies:
+        shell = shells[i] if shells[i].volume >= 0.0 else shells[i].reversed()
+        solid = manifold_of(shell.vertices, shell.faces)
+        if solid is None:
+            return None
+        own = [manifold_of(s.vertices, s.faces) for s in _holes(shells, voids, parent, i)]
+        for hole in own:
+            if hole is None:
+                return None
+            solid = solid - hole
+        solids.append(solid)
+    union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
+    if union.status() != manifold3d.Error.NoError or union.is_empty():
+        return None
+    return arrays_of(union)
+
+
+def _holes(
+    shells: tuple[Shell, ...], voids: list[int], parent: tuple[int, ...], body: int
+) -> list[Shell]:
+    return [shells[j].reversed() for j in voids if parent[j] == body]
+
+
+def clusters(shells: list[Shell]) -> list[list[int]]:
+    """Groups of shells whose boxes overlap, each group and the groups in ascending order."""
+    low = np.array([shell.vertices.min(axis=0) for shell in shells])
+    high = np.array([shell.vertices.max(axis=0) for shell in shells])
+    a, b = [], []
+    for i in range(len(shells)):
+        overlap = ((low[i:] <= high[i]) & (high[i:] >= low[i])).all(axis=1)
+        others = i + np.flatnonzero(overlap)
+        a.append(np.full(len(others), i))
+        b.append(others)
+    number, label = components(len(shells), np.concatenate(a), np.concatenate(b))
+    return [np.flatnonzero(label == k).tolist() for k in range(number)]
+
+
+def frame_of(vertices: FloatArray) -> Frame:
+    """The frame in which unions are computed."""
+    return Frame.around(vertices)
