@@ -22,8 +22,8 @@ from pydantic import (
 
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import ConfigError, UsageError
-from assetpipe.pipeline.schema import explain, load_yaml
-from assetpipe.pipeline.shipped import find_config
+from assetpipe.schema import explain, load_yaml
+from assetpipe.shipped import find_config
 
 Source = Literal["collision", "visual"]
 Metric = Literal["thickening", "concavity"]

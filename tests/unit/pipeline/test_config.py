@@ -5,7 +5,7 @@ import pytest
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import ConfigError
 from assetpipe.pipeline.config import Config, load_config
-from assetpipe.pipeline.shipped import CONFIGS
+from assetpipe.shipped import CONFIGS
 
 
 def written(tmp_path: Path, text: str) -> Path:

@@ -7,7 +7,7 @@ from pathlib import Path
 from assetpipe.errors import ConfigError, unknown_name
 
 # A link to the repository's configs/; in an installed package, a folder.
-CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+CONFIGS = Path(__file__).resolve().parent / "configs"
 
 
 def find_config(name: str | Path, *, kind: str = "") -> Path:
