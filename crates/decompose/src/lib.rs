@@ -1,1 +1,11 @@
 //! Collision-aware approximate convex decomposition of solids.
+
+pub mod concavity;
+pub mod engine;
+pub mod error;
+pub mod forbidden;
+pub mod merge;
+pub mod part;
+pub mod proxy;
+pub mod search;
+pub mod settings;

@@ -1,0 +1,117 @@
+//! Algorithm 1: cut until every part is proved, then merge.
+
+use assetpipe_geometry::distance::SolidIndex;
+use assetpipe_geometry::hull::HullError;
+use assetpipe_geometry::{Mesh, Plane};
+use glam::DVec3;
+
+use crate::concavity::thickening::{decide, Decision};
+use crate::concavity::{Interval, Limits};
+use crate::error::DecomposeError;
+use crate::forbidden;
+use crate::merge::{merge, Proved};
+use crate::part::{connected_parts, Part};
+use crate::proxy;
+use crate::search::lookahead::{extent, Lookahead, Question};
+use crate::search::piece::Piece;
+use crate::search::trial::Basis;
+use crate::settings::SearchSettings;
+
+/// More parts than this mean that the tolerance does not fit the solid.
+const MOST_PARTS: usize = 20_000;
+
+/// Decompose a closed solid in its working copy.
+///
+/// # Errors
+/// [`DecomposeError`].
+pub fn decompose_working(
+    mesh: &Mesh,
+    epsilon: f64,
+    settings: &SearchSettings,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Result<Vec<Proved>, DecomposeError> {
+    let solid = SolidIndex::new(mesh);
+    let limits = Limits { cells: 1_000_000, cancelled };
+    let mut frontier = Vec::new();
+    for piece in crate::part::components(Piece::from(mesh)) {
+        let closed = Mesh { vertices: piece.points.clone(), triangles: piece.triangles.clone() };
+        let levels = proxy::ladder(&closed, &settings.ladder).iter().map(Piece::from).collect();
+        frontier.extend(connected_parts(piece, levels).map_err(internal)?);
+    }
+    let mut witnesses = Vec::new();
+    let mut done: Vec<Proved> = Vec::new();
+    while !frontier.is_empty() {
+        let mut next = Vec::new();
+        for part in frontier {
+            if cancelled() {
+                return Err(DecomposeError::Cancelled);
+            }
+            match decide(&solid, &part.hull, epsilon, &limits) {
+                Decision::Within(thickening) => {
+                    let members = vec![done.len() as u32];
+                    done.push(Proved { hull: part.hull, thickening, members });
+                    continue;
+                }
+                Decision::Beyond { witness, .. } => witnesses.push(witness),
+                Decision::Unproven(_) => {}
+            }
+            let plane = cut(&solid, &part, epsilon, settings);
+            next.extend(part.split(plane).map_err(internal)?);
+        }
+        if done.len() + next.len() > MOST_PARTS {
+            return Err(DecomposeError::TooManyParts { limit: MOST_PARTS });
+        }
+        frontier = next;
+    }
+    if settings.merging {
+        done = merge(&solid, done, epsilon, &mut witnesses, &limits);
+    }
+    if cancelled() {
+        return Err(DecomposeError::Cancelled);
+    }
+    Ok(done)
+}
+
+#[allow(clippy::needless_pass_by_value)]
+fn internal(error: HullError) -> DecomposeError {
+    DecomposeError::Internal(error.to_string())
+}
+
+/// The plane that cuts a part.
+fn cut(solid: &SolidIndex, part: &Part, epsilon: f64, settings: &SearchSettings) -> Plane {
+    let directions: Vec<Basis> = (0..3).map(Basis::axis).collect();
+    let extra = vec![Vec::new(); directions.len()];
+    let samples = forbidden::sample(solid, &part.hull, epsilon, settings.samples);
+    let question = Question {
+        piece: part.stand_in(settings.fewest),
+        forbidden: &samples,
+        directions: &directions,
+        extra: &extra,
+        epsilon,
+        settings,
+    };
+    if let Some(choice) = Lookahead::new(&question).choose() {
+        let w = directions[choice.direction].w;
+        let (lo, hi) = extent(&part.hull.vertices, w);
+        if choice.offset > lo && choice.offset < hi {
+            return Plane { normal: w, offset: choice.offset };
+        }
+    }
+    halve(&part.hull.vertices)
+}
+
+/// Through the middle of the longest side: always ends, because hulls smaller
+/// than ε are within ε.
+fn halve(points: &[DVec3]) -> Plane {
+    let (lo, hi) = points
+        .iter()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+    let size = hi - lo;
+    let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
+    Plane::axis_aligned(axis, 0.5 * (lo[axis] + hi[axis]))
+}
+
+/// The largest certified interval of several hulls.
+pub fn overall(hulls: &[Proved]) -> Interval {
+    hulls.iter().fold(Interval::exactly(0.0), |all, h| all.max(h.thickening))
+}

@@ -1,0 +1,93 @@
+//! What a caller may choose, and what experiments may vary.
+
+/// What decides that a part is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// sup of d(q, solid) over the hull (default).
+    Thickening,
+    /// Eq. 4 of Wei et al. 2022, towards the part.
+    Concavity,
+}
+
+/// How candidate cuts are compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Norm {
+    /// The worst part, as in Eq. 7 and Eq. 9.
+    Worst,
+    /// The sum over parts of (excess volume / ε³) to this power.
+    Sum(f64),
+}
+
+/// Which policy looks for cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Policy {
+    /// One step: Eq. 7.
+    Greedy,
+    /// Two steps: the best first cuts, each with its best second cut.
+    Lookahead,
+    /// Algorithm 2.
+    Mcts,
+}
+
+/// Parameters of the search. Lengths are in units of ε unless said otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchSettings {
+    /// Which policy.
+    pub policy: Policy,
+    /// Planes an axis for the first cut (m in the paper).
+    pub planes: usize,
+    /// How many first cuts are looked at a second step deep.
+    pub expand: usize,
+    /// Planes an axis for the second cut.
+    pub second: usize,
+    /// How parts are put together to a value.
+    pub norm: Norm,
+    /// Weight of hull volume that is not forbidden, against forbidden volume.
+    pub excess: f64,
+    /// Cost of a part that is not done, in the unit of `norm`.
+    pub undone: f64,
+    /// Samples of forbidden space a part.
+    pub samples: usize,
+    /// Offsets tried when the chosen plane is refined; 0 for no refinement.
+    pub refine: usize,
+    /// Triangles of the stand-ins, decreasing.
+    pub ladder: Vec<usize>,
+    /// Fewest surface triangles of a stand-in for a part.
+    pub fewest: usize,
+    /// Simplification of section outlines.
+    pub section: f64,
+    /// Extents below this get no grid planes.
+    pub thinnest: f64,
+    /// Whether hulls are merged at the end.
+    pub merging: bool,
+    /// Iterations of MCTS (t).
+    pub iterations: usize,
+    /// Depth of MCTS (d).
+    pub depth: usize,
+    /// Seed of MCTS.
+    pub seed: u64,
+}
+
+impl Default for SearchSettings {
+    fn default() -> Self {
+        SearchSettings {
+            policy: Policy::Lookahead,
+            planes: 20,
+            expand: 20,
+            second: 8,
+            norm: Norm::Worst,
+            excess: 0.1,
+            undone: 0.0,
+            samples: 2000,
+            refine: 8,
+            ladder: vec![4800, 1200, 300],
+            fewest: 150,
+            section: 0.05,
+            thinnest: 2.5,
+            merging: true,
+            iterations: 150,
+            depth: 3,
+            seed: 0,
+        }
+    }
+}
