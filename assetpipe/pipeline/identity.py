@@ -22,7 +22,7 @@ LIBRARIES: dict[str, tuple[str, ...]] = {
 
 def versions(engine: str) -> dict[str, str]:
     """Versions of assetpipe and of the libraries that shape an engine's result."""
-    from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415
+    from importlib.metadata import PackageNotFoundError, version
 
     found = {"assetpipe": assetpipe.__version__}
     for name in LIBRARIES.get(engine, ()):
@@ -49,7 +49,9 @@ def code_stamp() -> str:
             if name.endswith((".py", ".so", ".pyd")):
                 path = os.path.join(folder, name)
                 stat = os.stat(path)
-                state.update(f"{path[len(str(root)):]}|{stat.st_size}|{stat.st_mtime_ns}\n".encode())
+                state.update(
+                    f"{path[len(str(root)) :]}|{stat.st_size}|{stat.st_mtime_ns}\n".encode()
+                )
     return state.hexdigest()
 
 

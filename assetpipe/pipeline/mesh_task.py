@@ -45,26 +45,26 @@ def work(request: Mapping[str, Any], reporter: Reporter) -> MeshOutcome:
         return kept()
     reporter.stage("repair")
     repaired = _solid(mesh, request, facts, findings)
-    if repaired is None or repaired.solid is None:
+    if repaired is None or repaired.solid is None or request["until"] == "repair":
         return kept()
     solid = repaired.solid
     reporter.stage("decompose")
     hulls = _decompose(solid, request, facts, findings, reporter)
     if hulls is None:
         return kept()
-    outcome = MeshOutcome("decomposed", hulls, tuple(findings), facts)
+    outcome = MeshOutcome("decomposed", hulls, tuple(findings), facts, solid)
     if request["contact"] is None:
         return outcome
     reporter.partial(outcome.encode())
     reporter.stage("validate")
     _contact(solid, hulls, request["contact"], facts, findings)
-    return MeshOutcome("decomposed", hulls, tuple(findings), facts)
+    return MeshOutcome("decomposed", hulls, tuple(findings), facts, solid)
 
 
 def _read(
     request: Mapping[str, Any], facts: dict[str, Any], findings: list[Finding]
 ) -> Mesh | None:
-    from assetpipe.geometry import FileLimits, read_mesh  # noqa: PLC0415 - slow to import
+    from assetpipe.geometry import FileLimits, read_mesh
 
     params = request["params"]
     limits = FileLimits(bytes=params["file_size"], faces=params["faces"])
@@ -98,7 +98,7 @@ def _relative(error: AssetpipeError) -> str:
 def _solid(
     mesh: Mesh, request: Mapping[str, Any], facts: dict[str, Any], findings: list[Finding]
 ) -> Repaired | None:
-    from assetpipe.geometry import RepairPolicy, examine, repair  # noqa: PLC0415
+    from assetpipe.geometry import RepairPolicy, examine, repair
 
     params = request["params"]
     value, unit = params["repair_budget"]
@@ -125,7 +125,7 @@ def _decompose(
     findings: list[Finding],
     reporter: Reporter,
 ) -> tuple[HullOutcome, ...] | None:
-    from assetpipe.decomposition import decompose_with  # noqa: PLC0415
+    from assetpipe.decomposition import decompose_with
 
     params = request["params"]
     tolerance = Tolerance(*params["tolerance"])
@@ -203,7 +203,7 @@ def _contact(
     facts: dict[str, Any],
     findings: list[Finding],
 ) -> None:
-    from assetpipe.validation.contact import contact_truth  # noqa: PLC0415
+    from assetpipe.validation.contact import contact_truth
 
     try:
         truth = contact_truth(

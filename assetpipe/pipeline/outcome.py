@@ -46,13 +46,15 @@ class MeshOutcome:
         hulls: empty if kept.
         findings: about the mesh, not yet located in a robot.
         facts: JSON-ready: ``faces``, ``health``, ``repair``, ``tolerance`` (metres),
-            ``certificate``, ``coverage``, ``contact`` and what else the report tells.
+            ``certificate``, ``contact`` and what else the report tells.
+        solid: what the hulls stand for, same frame; ``None`` if kept.
     """
 
     state: Literal["decomposed", "kept"]
     hulls: tuple[HullOutcome, ...] = ()
     findings: tuple[Finding, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
+    solid: Mesh | None = None
 
     def encode(self) -> bytes:
         """The bytes that :meth:`decode` reads; equal outcomes, equal bytes."""
@@ -61,19 +63,16 @@ class MeshOutcome:
             "findings": [_finding_dict(f) for f in self.findings],
             "facts": self.facts,
             "hulls": [
-                {
-                    "vertices": len(h.mesh.vertices),
-                    "faces": len(h.mesh.faces),
-                    "thickening": h.thickening,
-                    "concavity": h.concavity,
-                }
+                {**_size(h.mesh), "thickening": h.thickening, "concavity": h.concavity}
                 for h in self.hulls
             ],
+            "solid": _size(self.solid) if self.solid is not None else None,
         }
         parts = [json.dumps(head, sort_keys=True, separators=(",", ":")).encode(), b"\n"]
-        for hull in self.hulls:
-            parts.append(hull.mesh.vertices.astype("<f8").tobytes())
-            parts.append(hull.mesh.faces.astype("<i4").tobytes())
+        for mesh in [h.mesh for h in self.hulls] + [self.solid] * (self.solid is not None):
+            if mesh is not None:
+                parts.append(mesh.vertices.astype("<f8").tobytes())
+                parts.append(mesh.faces.astype("<i4").tobytes())
         body = b"".join(parts)
         return MAGIC + hashlib.sha256(body).hexdigest().encode() + b"\n" + body
 
@@ -91,28 +90,32 @@ class MeshOutcome:
             raise InputError("stored outcome is damaged or of another version")
         line = body.index(b"\n")
         head = json.loads(body[:line])
-        hulls = []
         at = line + 1
-        for record in head["hulls"]:
-            n, m = int(record["vertices"]), int(record["faces"])
+
+        def mesh(size: Mapping[str, int]) -> Mesh:
+            nonlocal at
+            n, m = size["vertices"], size["faces"]
             vertices = np.frombuffer(body, "<f8", 3 * n, at).reshape(n, 3)
-            at += 24 * n
-            faces = np.frombuffer(body, "<i4", 3 * m, at).reshape(m, 3)
-            at += 12 * m
-            concavity = record["concavity"]
-            hulls.append(
-                HullOutcome(
-                    Mesh(vertices, faces.astype(np.int64)),
-                    (record["thickening"][0], record["thickening"][1]),
-                    (concavity[0], concavity[1]) if concavity else None,
-                )
-            )
+            faces = np.frombuffer(body, "<i4", 3 * m, at + 24 * n).reshape(m, 3)
+            at += 24 * n + 12 * m
+            return Mesh(vertices, faces.astype(np.int64))
+
+        hulls = []
+        for record in head["hulls"]:
+            lower, upper = record["thickening"]
+            concavity = tuple(record["concavity"]) if record["concavity"] else None
+            hulls.append(HullOutcome(mesh(record), (lower, upper), concavity))
         return cls(
             head["state"],
             tuple(hulls),
             tuple(_finding_of(f) for f in head["findings"]),
             head["facts"],
+            mesh(head["solid"]) if head["solid"] else None,
         )
+
+
+def _size(mesh: Mesh) -> dict[str, int]:
+    return {"vertices": len(mesh.vertices), "faces": len(mesh.faces)}
 
 
 def _finding_dict(finding: Finding) -> dict[str, Any]:

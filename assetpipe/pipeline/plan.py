@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from assetpipe.pipeline.config import Config, LinkSettings
 from assetpipe.pipeline.identity import code_stamp, digest_of, versions
@@ -42,6 +42,7 @@ class MeshJob:
         params: everything else that decides the outcome, JSON-ready.
         contact: settings of the contact check, or ``None``.
         uses: in the order of the robots' files; never empty.
+        until: ``repair`` stops once it is known what repair would do.
     """
 
     path: Path
@@ -50,6 +51,7 @@ class MeshJob:
     params: Mapping[str, Any]
     contact: Mapping[str, int] | None
     uses: tuple[Use, ...]
+    until: Literal["repair", "end"] = "end"
 
     @property
     def key(self) -> str:
@@ -63,6 +65,7 @@ class MeshJob:
                 "scale": self.scale,
                 "params": dict(self.params),
                 "contact": self.contact,
+                "until": self.until,
             }
         )
 
@@ -74,6 +77,7 @@ class MeshJob:
             "scale": list(self.scale),
             "params": dict(self.params),
             "contact": self.contact,
+            "until": self.until,
         }
 
     @property
@@ -91,9 +95,7 @@ class Plan:
     jobs: tuple[MeshJob, ...]
 
 
-def make_plan(
-    robots: Sequence[Robot], config: Config, digest: Callable[[Path], str]
-) -> Plan:
+def make_plan(robots: Sequence[Robot], config: Config, digest: Callable[[Path], str]) -> Plan:
     """List the distinct meshes.
 
     Args:

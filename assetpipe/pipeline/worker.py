@@ -23,7 +23,6 @@ from assetpipe.pipeline.stages import Reporter
 HANDLERS = {
     "mesh": "assetpipe.pipeline.mesh_task",
     "robot": "assetpipe.pipeline.robot_task",
-    "inspect": "assetpipe.pipeline.inspect_task",
 }
 """The module whose ``answer(request, reporter) -> bytes`` serves a kind of request."""
 
