@@ -1,0 +1,6 @@
+"""``python -m assetpipe``."""
+
+from assetpipe.cli import main
+
+if __name__ == "__main__":
+    main()

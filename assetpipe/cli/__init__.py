@@ -1,0 +1,5 @@
+"""The command line: parse, call, exit code. One file a command."""
+
+from assetpipe.cli.main import main
+
+__all__ = ["main"]
