@@ -6,6 +6,7 @@
 //! coplanar is merged at the end, in [`super::facets`].
 
 use std::cmp::Ordering;
+use std::collections::VecDeque;
 
 use glam::DVec3;
 
@@ -50,7 +51,7 @@ pub struct Builder {
     next: Vec<u32>,
     /// New facet that starts at a horizon vertex, per point.
     starting: Vec<u32>,
-    pending: Vec<u32>,
+    pending: VecDeque<u32>,
     visible: Vec<u32>,
     /// Edges between what a point sees and what it does not: start, end, facet behind, its edge.
     horizon: Vec<(u32, u32, u32, u8)>,
@@ -108,7 +109,8 @@ impl Builder {
             builder: self,
         };
         work.begin(start);
-        while let Some(facet) = work.builder.pending.pop() {
+        // Oldest facet first: refining everywhere alike keeps visible regions small.
+        while let Some(facet) = work.builder.pending.pop_front() {
             let f = &work.builder.facets[facet as usize];
             if f.alive && f.waiting != NONE {
                 work.add(facet);
