@@ -32,9 +32,14 @@ def test_new_output_appears_whole_and_nothing_stays_beside_it(tmp_path: Path) ->
 def test_error_while_writing_leaves_the_old_output(tmp_path: Path) -> None:
     build(tmp_path / "out", {"a.txt": "old"})
     before = tree(tmp_path / "out")
-    with pytest.raises(RuntimeError), staged(tmp_path / "out") as stage:
-        stage.path("a.txt").write_text("new")
-        raise RuntimeError
+
+    def fail_half_way() -> None:
+        with staged(tmp_path / "out") as stage:
+            stage.path("a.txt").write_text("new")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_half_way()
     assert tree(tmp_path / "out") == before
     assert os.listdir(tmp_path) == ["out"]
 

@@ -1,0 +1,113 @@
+"""What INPUT means: robots and meshes, in files or in folders of packages."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from assetpipe.errors import InputError, Location
+from assetpipe.pipeline.output import provenance_of
+
+MESH_SUFFIXES = (".stl", ".obj", ".dae", ".glb", ".ply", ".off")
+ROBOT_SUFFIXES = (".urdf", ".xacro")
+
+_HEAD = 2**16
+_ROBOT = re.compile(rb"<robot[\s>]")
+_NAMED_ROBOT = re.compile(rb"<robot\s[^>]*\bname\s*=")
+
+
+@dataclass(frozen=True)
+class Source:
+    """One thing to build.
+
+    Attributes:
+        kind: what it is.
+        path: absolute.
+        root: folder that was searched, or the file's folder; names are relative to it.
+        origin: ``named`` by the user, or ``found`` in a folder.
+    """
+
+    kind: Literal["robot", "mesh"]
+    path: Path
+    root: Path
+    origin: Literal["named", "found"]
+
+
+def find_sources(inputs: Sequence[Path]) -> tuple[Source, ...]:
+    """Everything that the inputs name, once each, in order; folders in order of names.
+
+    Raises:
+        InputError: an input does not exist, is of no kind that we know, or is a folder
+            without robots.
+    """
+    sources: dict[Path, Source] = {}
+    for given in inputs:
+        path = Path(os.path.abspath(given))
+        if path.is_dir():
+            found = [Source("robot", robot, path, "found") for robot in _robots(path)]
+            if not found:
+                raise InputError(
+                    "no robot found: the folder holds no URDF and no xacro file with a named robot",
+                    location=Location(given),
+                )
+        elif path.is_file():
+            found = [_named(path, given)]
+        else:
+            raise InputError("does not exist", location=Location(given))
+        for source in found:
+            sources.setdefault(source.path.resolve(), source)
+    return tuple(sources.values())
+
+
+def _named(path: Path, given: Path) -> Source:
+    suffix = path.suffix.lower()
+    if suffix in ROBOT_SUFFIXES:
+        return Source("robot", path, path.parent, "named")
+    if suffix in MESH_SUFFIXES:
+        return Source("mesh", path, path.parent, "named")
+    if suffix == ".xml" and _ROBOT.search(_head(path)):
+        return Source("robot", path, path.parent, "named")
+    raise InputError(
+        f"'{suffix or path.name}' is no file that can be built; known are "
+        f"{', '.join(ROBOT_SUFFIXES + MESH_SUFFIXES)} and folders of robot packages",
+        location=Location(given),
+    )
+
+
+def _robots(root: Path) -> Iterator[Path]:
+    """URDFs, and xacro files whose robot has a name; a xacro next to its own URDF is left out.
+
+    Hidden folders and what assetpipe built itself are not searched, unless they are the root.
+    """
+    for folder, folders, names in os.walk(root):
+        here = Path(folder)
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and provenance_of(here / name) is None
+        )
+        urdfs = {name.split(".")[0] for name in names if name.lower().endswith(".urdf")}
+        for name in sorted(names):
+            path = here / name
+            lower = name.lower()
+            if lower.endswith(".urdf"):
+                if _ROBOT.search(_head(path)):
+                    yield path
+            elif (
+                lower.endswith(".xacro")
+                and name.split(".")[0] not in urdfs
+                and _NAMED_ROBOT.search(_head(path))
+            ):
+                yield path
+
+
+def _head(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(_HEAD)
+    except OSError:
+        return b""
