@@ -1,5 +1,13 @@
 """Meshes as frozen values: files, units, health and repair."""
 
+from assetpipe.geometry.files import (
+    SUFFIXES,
+    FileLimits,
+    LoadedMesh,
+    obj_text,
+    read_mesh,
+    write_obj,
+)
 from assetpipe.geometry.health import Defect, Health, Soundness, examine
 from assetpipe.geometry.mesh import Mesh
 from assetpipe.geometry.repair import (
@@ -12,11 +20,16 @@ from assetpipe.geometry.repair import (
     is_solid,
     repair,
 )
+from assetpipe.geometry.units import AxisPolicy
 
 __all__ = [
+    "SUFFIXES",
+    "AxisPolicy",
     "Defect",
     "Deviation",
+    "FileLimits",
     "Health",
+    "LoadedMesh",
     "Mesh",
     "RepairLimits",
     "RepairPolicy",
@@ -26,5 +39,8 @@ __all__ = [
     "Step",
     "examine",
     "is_solid",
+    "obj_text",
+    "read_mesh",
     "repair",
+    "write_obj",
 ]
