@@ -68,3 +68,21 @@ def digest_file(path: str | os.PathLike[str]) -> str:
         while block := file.read(2**20):
             state.update(block)
     return state.hexdigest()
+
+
+def digest_mesh(path: Path) -> str:
+    """SHA-256 in hex of a mesh file and of the buffers that a ``.gltf`` refers to."""
+    own = digest_file(path)
+    if path.suffix.lower() != ".gltf":
+        return own
+    try:
+        buffers = json.loads(path.read_bytes())["buffers"]
+        names = [str(buffer.get("uri", "")) for buffer in buffers]
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return own  # reading it will say what is wrong
+    parts = [own]
+    for name in names:
+        near = path.parent / name
+        if not name.startswith("data:") and near.is_file():
+            parts.append(digest_file(near))
+    return digest_of(parts)

@@ -64,10 +64,12 @@ def work(request: Mapping[str, Any], reporter: Reporter) -> MeshOutcome:
 def _read(
     request: Mapping[str, Any], facts: dict[str, Any], findings: list[Finding]
 ) -> Mesh | None:
-    from assetpipe.geometry import FileLimits, read_mesh
+    from assetpipe.geometry.files import read_mesh
+    from assetpipe.geometry.formats.raw import FileLimits
 
     params = request["params"]
-    limits = FileLimits(bytes=params["file_size"], faces=params["faces"])
+    faces = params["faces"]
+    limits = FileLimits(max_bytes=params["file_size"], max_faces=faces, max_vertices=3 * faces)
     try:
         loaded = read_mesh(Path(request["path"]), limits=limits)
         mesh = loaded.mesh.scaled(np.asarray(request["scale"]))

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from assetpipe.errors import CancelledError, InputError
-from assetpipe.findings import Finding, Severity
 from assetpipe.pipeline.cache import Cache
 from assetpipe.pipeline.config import Limits
-from assetpipe.pipeline.executors import Executor, Fault, Reply, Task
+from assetpipe.pipeline.executors import Executor, Fault, Task
 from assetpipe.pipeline.executors.task import Cancelled
+from assetpipe.pipeline.faults import outcome_of
 from assetpipe.pipeline.outcome import MeshOutcome
 from assetpipe.pipeline.plan import MeshJob
 from assetpipe.pipeline.progress import Listener, Progress
@@ -71,39 +71,6 @@ def run_jobs(
                 cache.put(ROOM, jobs[index].key, reply.payload)
             on_progress(Progress("done", jobs[index].name, len(done), len(jobs), 1.0))
     return tuple(done[index] for index in range(len(jobs)))
-
-
-def outcome_of(reply: Reply) -> MeshOutcome:
-    """A reply as an outcome: a fault becomes a finding on its mesh."""
-    if reply.fault is None and reply.payload is not None:
-        return MeshOutcome.decode(reply.payload)
-    fault = reply.fault or Fault("exception", "start", "no answer")
-    finding = finding_of_fault(fault)
-    if reply.payload is None:
-        return MeshOutcome("kept", (), (finding,), {})
-    partial = MeshOutcome.decode(reply.payload)
-    return MeshOutcome(
-        partial.state, partial.hulls, (*partial.findings, finding), partial.facts, partial.solid
-    )
-
-
-def finding_of_fault(fault: Fault) -> Finding:
-    """What a user should know about a fault."""
-    doing = f"while at '{fault.stage}'"
-    if fault.stage == "validate":
-        return Finding(
-            "AP411", Severity.WARNING, f"contact truth could not be told: {fault.message}"
-        )
-    if fault.kind in ("time", "memory"):
-        code = "AP301" if fault.stage == "decompose" else "AP206"
-        limit = "seconds" if fault.kind == "time" else "memory"
-        return Finding(
-            code, Severity.ERROR, f"{fault.message} {doing}", hint=f"raise limits.{limit}"
-        )
-    if fault.kind == "crash":
-        code = {"read": "AP102", "start": "AP102", "repair": "AP202"}.get(fault.stage, "AP303")
-        return Finding(code, Severity.ERROR, f"{fault.message} {doing}")
-    return Finding("AP901", Severity.ERROR, f"{fault.message} {doing}")
 
 
 def _stored(cache: Cache, key: str) -> MeshOutcome | None:

@@ -53,21 +53,33 @@ def _serve(channel: Connection, request: dict[str, Any]) -> None:
     try:
         _limit_memory(int(request["memory"]))
         answer = _handler(str(request["kind"]))(request, SocketReporter(send))
-    except MemoryError:
-        send(b"X", json.dumps({"kind": "memory", "message": "out of memory"}).encode())
     except (EOFError, BrokenPipeError, ConnectionResetError):
         raise
     except Exception as error:  # noqa: BLE001 - whatever it is, it concerns this task only
         import traceback
 
         said = {
-            "kind": "exception",
+            "kind": "memory" if _out_of_memory(error) else "exception",
             "message": f"{type(error).__name__}: {error}"[:2000],
             "detail": traceback.format_exc()[-8000:],
         }
         send(b"X", json.dumps(said).encode())
     else:
         send(b"R", answer)
+
+
+def _out_of_memory(error: BaseException | None) -> bool:
+    """Whether want of memory is behind an error, be it that a library could not be loaded."""
+    seen = 0
+    while error is not None and seen < 20:
+        said = str(error)
+        if isinstance(error, MemoryError) or any(
+            words in said for words in ("allocate memory", "failed to map segment", "Out of memory")
+        ):
+            return True
+        error = error.__cause__ or error.__context__
+        seen += 1
+    return False
 
 
 def _handler(kind: str) -> Any:

@@ -12,6 +12,14 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+_DEFECTS = {
+    "open": "boundary_edges",
+    "non-manifold": "nonmanifold_edges",
+    "flipped": "inconsistent_edges",
+    "crossing": "self_intersections",
+}
+"""Columns of the health table and where their counts are."""
+
 _STYLES = {"error": "bold red", "warning": "yellow", "note": "dim"}
 
 
@@ -62,20 +70,18 @@ def show_health(console: Console, meshes: Sequence[Mapping[str, Any]]) -> None:
     """One row a mesh: what is wrong with it and what repair would do."""
     table = Table(box=SIMPLE_HEAD, title="mesh health", title_justify="left")
     table.add_column("mesh", overflow="fold")
-    for name in ("faces", "parts", "open", "non-manifold", "flipped", "solid", "repair"):
+    table.add_column("state")
+    for name in ("faces", "parts", *_DEFECTS, "repair", "moved mm"):
         table.add_column(name, justify="right")
-    table.add_column("moved mm", justify="right")
     for mesh in meshes:
         health, repair = mesh.get("health") or {}, mesh.get("repair")
         table.add_row(
             escape(_short(mesh["name"])),
+            escape(str(health.get("soundness", "unreadable"))),
             _number(mesh.get("faces")),
             _number(health.get("components")),
-            _number(health.get("boundary_edges")),
-            _number(health.get("nonmanifold_edges")),
-            _number(health.get("inconsistent_edges")),
-            "–" if not repair else "yes" if repair["solid"] else "[red]no[/red]",
-            _rung(repair),
+            *(_number((health.get(key) or {}).get("count")) for key in _DEFECTS.values()),
+            "[red]impossible[/red]" if repair and not repair["solid"] else _rung(repair),
             _mm(repair["moved"]) if repair and repair["solid"] else "–",
         )
     console.print(table)

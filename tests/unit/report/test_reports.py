@@ -73,9 +73,17 @@ def test_health_table_shows_what_cannot_be_repaired() -> None:
     stream = io.StringIO()
     show_health(
         Console(file=stream, width=160),
-        [{"name": "a.stl", "faces": 3, "health": {"boundary_edges": 2}, "repair": None}],
+        [
+            {
+                "name": "p/a.stl",
+                "faces": 3,
+                "health": {"soundness": "open", "boundary_edges": {"count": 29}},
+                "repair": {"solid": False, "rung": None, "moved": 0},
+            }
+        ],
     )
-    assert "a.stl" in stream.getvalue()
+    for word in ("a.stl", "open", "29", "impossible"):
+        assert word in stream.getvalue()
 
 
 def test_sarif_names_files_below_the_root_relatively(tmp_path: Path) -> None:

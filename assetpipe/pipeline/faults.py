@@ -1,0 +1,40 @@
+"""What an executor's fault means for a mesh."""
+
+from __future__ import annotations
+
+from assetpipe.findings import Finding, Severity
+from assetpipe.pipeline.executors import Fault, Reply
+from assetpipe.pipeline.outcome import MeshOutcome
+
+
+def outcome_of(reply: Reply) -> MeshOutcome:
+    """A reply as an outcome: a fault becomes a finding on its mesh."""
+    if reply.fault is None and reply.payload is not None:
+        return MeshOutcome.decode(reply.payload)
+    fault = reply.fault or Fault("exception", "start", "no answer")
+    finding = finding_of_fault(fault)
+    if reply.payload is None:
+        return MeshOutcome("kept", (), (finding,), {})
+    partial = MeshOutcome.decode(reply.payload)
+    return MeshOutcome(
+        partial.state, partial.hulls, (*partial.findings, finding), partial.facts, partial.solid
+    )
+
+
+def finding_of_fault(fault: Fault) -> Finding:
+    """What a user should know about a fault."""
+    doing = f"while at '{fault.stage}'"
+    if fault.stage == "validate":
+        return Finding(
+            "AP411", Severity.WARNING, f"contact truth could not be told: {fault.message}"
+        )
+    if fault.kind in ("time", "memory"):
+        code = "AP301" if fault.stage == "decompose" else "AP206"
+        limit = "seconds" if fault.kind == "time" else "memory"
+        return Finding(
+            code, Severity.ERROR, f"{fault.message} {doing}", hint=f"raise limits.{limit}"
+        )
+    if fault.kind == "crash":
+        code = {"read": "AP102", "start": "AP102", "repair": "AP202"}.get(fault.stage, "AP303")
+        return Finding(code, Severity.ERROR, f"{fault.message} {doing}")
+    return Finding("AP901", Severity.ERROR, f"{fault.message} {doing}")
