@@ -1,3 +1,47 @@
 """Collision assets for robots: certified convex decomposition, written and proved."""
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from assetpipe.decomposition import Decomposition, Hull, Params, Tolerance, certify, decompose
+    from assetpipe.geometry import Mesh
+
+_HOMES = {
+    "Decomposition": "assetpipe.decomposition",
+    "Hull": "assetpipe.decomposition",
+    "Mesh": "assetpipe.geometry",
+    "Params": "assetpipe.decomposition",
+    "Tolerance": "assetpipe.decomposition",
+    "certify": "assetpipe.decomposition",
+    "decompose": "assetpipe.decomposition",
+}
+"""Where each public name lives; imported when first asked for: `import assetpipe` is cheap."""
+
+__all__ = [
+    "Decomposition",
+    "Hull",
+    "Mesh",
+    "Params",
+    "Tolerance",
+    "__version__",
+    "certify",
+    "decompose",
+]
+
+
+def __getattr__(name: str) -> Any:
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'assetpipe' has no attribute '{name}'")
+    value = getattr(import_module(home), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOMES})

@@ -4,8 +4,10 @@
 
 use std::time::Instant;
 
+use assetpipe_decompose::control::Control;
 use assetpipe_decompose::engine::{decompose_working, overall};
-use assetpipe_decompose::settings::{Norm, Policy, SearchSettings};
+use assetpipe_decompose::settings::SearchSettings;
+use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
@@ -38,28 +40,8 @@ fn main() {
         if let Ok(x) = arg.parse::<f64>() {
             threshold = x;
         } else if let Some((key, value)) = arg.split_once('=') {
-            let number: f64 = value.parse().unwrap_or(0.0);
-            match key {
-                "planes" => settings.planes = number as usize,
-                "expand" => settings.expand = number as usize,
-                "second" => settings.second = number as usize,
-                "samples" => settings.samples = number as usize,
-                "refine" => settings.refine = number as usize,
-                "fewest" => settings.fewest = number as usize,
-                "excess" => settings.excess = number,
-                "undone" => settings.undone = number,
-                "section" => settings.section = number,
-                "thinnest" => settings.thinnest = number,
-                "merging" => settings.merging = number != 0.0,
-                "norm" => settings.norm = if value == "max" { Norm::Worst } else { Norm::Sum(number) },
-                "policy" => {
-                    settings.policy = match value {
-                        "greedy" => Policy::Greedy,
-                        "mcts" => Policy::Mcts,
-                        _ => Policy::Lookahead,
-                    }
-                }
-                _ => eprintln!("unknown {key}"),
+            if let Err(message) = settings.set(key, value) {
+                eprintln!("{message}");
             }
         } else {
             files.push(arg);
@@ -79,7 +61,8 @@ fn main() {
             *p = (*p - 0.5 * (lo + hi)) * scale;
         }
         let start = Instant::now();
-        match decompose_working(&mesh, threshold, &settings, &|| false) {
+        let solid = SolidIndex::new(&mesh);
+        match decompose_working(&mesh, &solid, threshold, &settings, &Control::default()) {
             Ok(hulls) => {
                 let vertices: usize = hulls.iter().map(|h| h.hull.vertices.len()).sum();
                 let name = file.rsplit('/').next().unwrap_or(&file);

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::concavity::thickening::{decide, Decision};
 use crate::concavity::{Interval, Limits};
+use crate::control::Control;
 use crate::error::DecomposeError;
 use crate::forbidden;
 use crate::merge::{merge, Proved};
@@ -26,18 +27,21 @@ const MOST_PARTS: usize = 20_000;
 /// [`DecomposeError`].
 pub fn decompose_working(
     mesh: &Mesh,
+    solid: &SolidIndex,
     epsilon: f64,
     settings: &SearchSettings,
-    cancelled: &(dyn Fn() -> bool + Sync),
+    control: &Control,
 ) -> Result<Vec<Proved>, DecomposeError> {
-    let solid = SolidIndex::new(mesh);
-    let limits = Limits { cells: 1_000_000, cancelled };
+    let cancelled = || control.is_cancelled();
+    let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
     let mut frontier = Vec::new();
     for piece in crate::part::components(Piece::from(mesh)) {
         let closed = Mesh { vertices: piece.points.clone(), triangles: piece.triangles.clone() };
         let levels = proxy::ladder(&closed, &settings.ladder).iter().map(Piece::from).collect();
         frontier.extend(connected_parts(piece, levels).map_err(internal)?);
     }
+    let total_volume = frontier.iter().map(|p| p.piece.volume()).sum::<f64>();
+    let mut open_volume = total_volume;
     let mut witnesses = Vec::new();
     let mut done: Vec<Proved> = Vec::new();
     while !frontier.is_empty() {
@@ -46,8 +50,11 @@ pub fn decompose_working(
             if cancelled() {
                 return Err(DecomposeError::Cancelled);
             }
-            match decide(&solid, &part.hull, epsilon, &limits) {
+            match decide(solid, &part.hull, epsilon, &limits) {
                 Decision::Within(thickening) => {
+                    open_volume -= part.piece.volume();
+                    // Merging and the hierarchy are about a tenth of the work.
+                    control.report(0.9 * (1.0 - open_volume / total_volume));
                     let members = vec![done.len() as u32];
                     done.push(Proved { hull: part.hull, thickening, members });
                     continue;
@@ -55,7 +62,7 @@ pub fn decompose_working(
                 Decision::Beyond { witness, .. } => witnesses.push(witness),
                 Decision::Unproven(_) => {}
             }
-            let plane = cut(&solid, &part, epsilon, settings);
+            let plane = cut(solid, &part, epsilon, settings);
             next.extend(part.split(plane).map_err(internal)?);
         }
         if done.len() + next.len() > MOST_PARTS {
@@ -64,7 +71,7 @@ pub fn decompose_working(
         frontier = next;
     }
     if settings.merging {
-        done = merge(&solid, done, epsilon, &mut witnesses, &limits);
+        done = merge(solid, done, epsilon, &mut witnesses, &limits);
     }
     if cancelled() {
         return Err(DecomposeError::Cancelled);

@@ -1,11 +1,16 @@
 //! Collision-aware approximate convex decomposition of solids.
 
 pub mod concavity;
+pub mod control;
+pub mod convex;
+pub mod decomposition;
 pub mod engine;
 pub mod error;
 pub mod forbidden;
+pub mod hierarchy;
 pub mod merge;
 pub mod part;
 pub mod proxy;
 pub mod search;
 pub mod settings;
+pub mod working;

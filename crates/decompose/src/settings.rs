@@ -91,3 +91,62 @@ impl Default for SearchSettings {
         }
     }
 }
+
+impl SearchSettings {
+    /// Set one parameter by its name, as text.
+    ///
+    /// # Errors
+    /// A sentence that names the parameter or the value that does not fit.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<(), String> {
+        fn number<T: std::str::FromStr>(name: &str, value: &str) -> Result<T, String> {
+            value.parse().map_err(|_| format!("parameter '{name}': '{value}' is not a number that fits"))
+        }
+        fn choice<T>(name: &str, value: &str, known: Option<T>, all: &str) -> Result<T, String> {
+            known.ok_or_else(|| format!("parameter '{name}': '{value}' is none of {all}"))
+        }
+        match name {
+            "policy" => {
+                let known = match value {
+                    "greedy" => Some(Policy::Greedy),
+                    "lookahead" => Some(Policy::Lookahead),
+                    "mcts" => Some(Policy::Mcts),
+                    _ => None,
+                };
+                self.policy = choice(name, value, known, "greedy, lookahead, mcts")?;
+            }
+            "norm" => {
+                self.norm = if value == "worst" { Norm::Worst } else { Norm::Sum(number(name, value)?) };
+            }
+            "merging" => {
+                let known = match value {
+                    "on" => Some(true),
+                    "off" => Some(false),
+                    _ => None,
+                };
+                self.merging = choice(name, value, known, "on, off")?;
+            }
+            "ladder" => {
+                self.ladder = value
+                    .split(',')
+                    .filter(|v| !v.is_empty())
+                    .map(|v| number(name, v.trim()))
+                    .collect::<Result<_, _>>()?;
+            }
+            "planes" => self.planes = number(name, value)?,
+            "expand" => self.expand = number(name, value)?,
+            "second" => self.second = number(name, value)?,
+            "excess" => self.excess = number(name, value)?,
+            "undone" => self.undone = number(name, value)?,
+            "samples" => self.samples = number(name, value)?,
+            "refine" => self.refine = number(name, value)?,
+            "fewest" => self.fewest = number(name, value)?,
+            "section" => self.section = number(name, value)?,
+            "thinnest" => self.thinnest = number(name, value)?,
+            "iterations" => self.iterations = number(name, value)?,
+            "depth" => self.depth = number(name, value)?,
+            "seed" => self.seed = number(name, value)?,
+            _ => return Err(format!("'{name}' is no parameter of the search")),
+        }
+        Ok(())
+    }
+}

@@ -1,10 +1,20 @@
 //! The seam between the core and Python: the only crate that knows Python.
 //! Arrays in and out, typed errors, the GIL released around every long call.
 
+mod arrays;
+mod decomposition;
+mod errors;
+mod polygon;
+mod watch;
+
 use pyo3::prelude::*;
 
 /// The native module `assetpipe._core`.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))
+    polygon::register(module)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::thickening, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)
 }

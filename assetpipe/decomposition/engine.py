@@ -1,0 +1,174 @@
+"""``decompose``: a mesh in, certified convex hulls out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assetpipe.decomposition.certificate import Certificate, Interval
+from assetpipe.decomposition.decomposition import Coverage, Decomposition, Node
+from assetpipe.decomposition.hull import Hull
+from assetpipe.decomposition.params import (
+    CAVITIES,
+    EFFORTS,
+    METRICS,
+    Cavities,
+    Effort,
+    Metric,
+    Params,
+)
+from assetpipe.decomposition.tolerance import Tolerance
+from assetpipe.errors import MeshError, UsageError, unknown_name
+from assetpipe.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from assetpipe.geometry import Repaired
+
+Source = "Mesh | trimesh.Trimesh | tuple[Any, Any]"
+OnProgress = Callable[[float], object]
+
+_SETTINGS: dict[Effort, dict[str, str | float]] = {
+    "fast": {"policy": "greedy"},
+    "balanced": {},
+    "best": {"planes": 30, "expand": 40, "second": 16},
+}
+
+
+def decompose(
+    mesh: Mesh | trimesh.Trimesh | tuple[Any, Any],
+    tolerance: Tolerance | float | str,
+    *,
+    metric: Metric = "thickening",
+    effort: Effort = "balanced",
+    seed: int = 0,
+    threads: int | None = None,
+    max_hulls: int | None = None,
+    max_hull_vertices: int | None = None,
+    cavities: Cavities = "keep",
+    reach: float = 0.0,
+    on_progress: OnProgress | None = None,
+    params: Params | None = None,
+) -> Decomposition:
+    """Cover a solid with few convex hulls that thicken it by at most a tolerance.
+
+    Args:
+        mesh: a Mesh, a ``trimesh.Trimesh`` or a pair (vertices (n, 3), faces (m, 3)) in
+            metres. A mesh that is no closed solid is repaired first; ``repair`` of the
+            result says how and how far the surface moved.
+        tolerance: metres, a text such as ``"2mm"`` or ``"1%"``, or a :class:`Tolerance`.
+        metric: what is held below the tolerance: ``"thickening"``, towards the whole
+            solid, or ``"concavity"`` (Wei et al. 2022, Eq. 4), towards the part.
+        effort: how long to search.
+        seed: of policies that draw random numbers; the same seed gives the same bytes.
+        threads: at most so many threads; ``None``: all cores. No influence on the result.
+        max_hulls: budget; met by merging outwards, the certificate tells the price.
+        max_hull_vertices: budget a hull; met by simplifying outwards, likewise.
+        cavities: ``"fill"`` closes enclosed voids first; ``"keep"`` leaves them.
+        reach: space that a ball of this radius (metres) cannot enter from outside counts
+            as solid; 0 for none.
+        on_progress: called with the share done (0 to 1), about thirty times a second;
+            returning ``False`` or raising stops the work.
+        params: parameters of the search, for experiments.
+
+    Returns:
+        The decomposition; every hull's certificate is a proof, not a sample.
+
+    Raises:
+        UsageError: an unknown name or an impossible number.
+        MeshError: the mesh encloses no volume or cannot be made a solid.
+        LimitError: more parts than the engine allows.
+        CancelledError: ``on_progress`` returned ``False``.
+    """
+    from assetpipe import _core
+
+    _check(metric, effort, cavities)
+    if reach < 0:
+        raise UsageError(f"reach must not be negative, not {reach}")
+    if threads is not None and threads < 1:
+        raise UsageError(f"threads must be at least 1, not {threads}")
+    wanted = Tolerance.parse(tolerance)
+    solid, repaired = as_solid(Mesh.of(mesh), cavities)
+    epsilon = wanted.on(solid)
+    settings: dict[str, str | float] = {
+        **_SETTINGS[effort],
+        "seed": seed,
+        **(params.search if params else {}),
+    }
+    found, leaves = _core.decompose(
+        np.ascontiguousarray(solid.vertices),
+        np.ascontiguousarray(solid.faces),
+        epsilon,
+        settings,
+        on_progress,
+    )
+    nodes = tuple(
+        Node(
+            Hull(
+                vertices,
+                faces,
+                volume,
+                Certificate(Interval(*thickening), Interval(*concavity) if concavity else None),
+            ),
+            children,
+        )
+        for vertices, faces, volume, thickening, concavity, children in found
+    )
+    result = Decomposition(
+        tuple(node.hull for node in nodes[:leaves]),
+        Coverage("construction"),
+        "assetpipe",
+        wanted,
+        epsilon,
+        metric,
+        repaired,
+        nodes,
+    )
+    if max_hulls is not None and len(result.hulls) > max_hulls:
+        return result.at(max_hulls=max_hulls)
+    return result
+
+
+def _check(metric: str, effort: str, cavities: str) -> None:
+    for kind, name, known in (
+        ("metric", metric, METRICS),
+        ("effort", effort, EFFORTS),
+        ("cavities", cavities, CAVITIES),
+    ):
+        if name not in known:
+            raise UsageError(unknown_name(kind, name, known))
+
+
+def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
+    """The mesh itself if it is a closed solid, otherwise repaired.
+
+    Raises:
+        MeshError: it cannot be made a solid.
+    """
+    if not len(mesh.faces):
+        raise MeshError("the mesh has no faces")
+    if cavities == "keep" and is_closed(mesh) and mesh.volume > 0:
+        return mesh, None
+    from assetpipe.geometry import RepairPolicy, repair
+
+    repaired = repair(mesh, policy=RepairPolicy(cavities=cavities))
+    if repaired.solid is None:
+        reasons = "; ".join(finding.message for finding in repaired.findings)
+        raise MeshError(f"the mesh cannot be made a solid: {reasons or 'no rung of repair did'}")
+    if not repaired.steps:
+        return mesh, None
+    return repaired.solid, repaired
+
+
+def is_closed(mesh: Mesh) -> bool:
+    """Whether every edge is used as often in one sense as in the other."""
+    faces = mesh.faces
+    start = faces.ravel()
+    end = np.roll(faces, -1, axis=1).ravel()
+    key = np.minimum(start, end) * len(mesh.vertices) + np.maximum(start, end)
+    _, inverse = np.unique(key, return_inverse=True)
+    balance = np.bincount(inverse, weights=np.where(start < end, 1.0, -1.0))
+    return bool((balance == 0).all())

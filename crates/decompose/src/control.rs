@@ -1,0 +1,32 @@
+//! Progress out, cancellation in.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Shared between a computation and whoever watches it.
+#[derive(Debug, Default)]
+pub struct Control {
+    cancelled: AtomicBool,
+    /// Share done, as bits of an `f64`.
+    done: AtomicU64,
+}
+
+impl Control {
+    /// Ask the computation to stop.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it was asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Share done so far, 0 to 1.
+    pub fn progress(&self) -> f64 {
+        f64::from_bits(self.done.load(Ordering::Relaxed))
+    }
+
+    pub(crate) fn report(&self, share: f64) {
+        self.done.store(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+    }
+}

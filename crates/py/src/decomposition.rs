@@ -1,0 +1,124 @@
+//! `decompose`, `thickening`, `convex_hull`.
+
+use assetpipe_decompose::concavity::thickening::{decide, Decision};
+use assetpipe_decompose::concavity::{Interval, Limits};
+use assetpipe_decompose::decomposition::{self as core, Decomposition};
+use assetpipe_decompose::settings::SearchSettings;
+use assetpipe_geometry::distance::SolidIndex;
+use assetpipe_geometry::Mesh;
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{arrays, mesh, points};
+use crate::errors::{decompose_error, engine_error, mesh_error, usage_error};
+use crate::watch;
+
+type Bounds = (f64, f64);
+type HullTuple<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<i64>>,
+    f64,
+    Bounds,
+    Option<Bounds>,
+    Option<(u32, u32)>,
+);
+
+fn pair(interval: Interval) -> Bounds {
+    (interval.lower, interval.upper)
+}
+
+/// Decompose a closed solid.
+///
+/// Returns (hulls, leaves): each hull is (vertices, faces, volume, thickening,
+/// concavity or None, children or None); the first `leaves` are the result,
+/// the others the coarser levels.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, epsilon, settings, on_progress=None))]
+pub fn decompose<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    epsilon: f64,
+    settings: &Bound<'py, PyDict>,
+    on_progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<(Vec<HullTuple<'py>>, usize)> {
+    let solid = mesh(py, &vertices, &faces)?;
+    let settings = read_settings(py, settings)?;
+    let result = watch::run(py, on_progress.as_ref(), |control| core::decompose(&solid, epsilon, &settings, control))?;
+    let Decomposition { hulls, leaves } = result.map_err(|e| decompose_error(py, &e))?;
+    let hulls = hulls
+        .iter()
+        .map(|h| {
+            let (v, f) = arrays(py, &h.mesh);
+            (v, f, h.volume, pair(h.thickening), h.concavity.map(pair), h.children.map(|c| (c[0], c[1])))
+        })
+        .collect();
+    Ok((hulls, leaves))
+}
+
+fn read_settings(py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<SearchSettings> {
+    let mut settings = SearchSettings::default();
+    for (key, value) in given {
+        let key: String = key.extract()?;
+        let text = if let Ok(text) = value.extract::<String>() { text } else { value.str()?.to_string() };
+        settings.set(&key, &text).map_err(|message| usage_error(py, &message))?;
+    }
+    Ok(settings)
+}
+
+/// Certified thickening (lower, upper) of each hull towards a solid. Hulls are
+/// point sets: their convex hulls are measured.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, hulls, on_progress=None))]
+pub fn thickening<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    hulls: Vec<PyReadonlyArray2<'py, f64>>,
+    on_progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Vec<Bounds>> {
+    let solid = mesh(py, &vertices, &faces)?;
+    let mut meshes = Vec::with_capacity(hulls.len());
+    for (index, hull) in hulls.iter().enumerate() {
+        let points = points(py, hull)?;
+        let mesh = assetpipe_geometry::hull::convex_hull(&points)
+            .map_err(|e| mesh_error(py, &format!("hull {index}: {e}")))?;
+        meshes.push(mesh);
+    }
+    let result = watch::run(py, on_progress.as_ref(), |control| {
+        let cancelled = || control.is_cancelled();
+        let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
+        let index = SolidIndex::new(&solid);
+        meshes.iter().map(|hull| bound(&index, hull, &limits)).collect::<Vec<_>>()
+    })?;
+    Ok(result)
+}
+
+fn bound(index: &SolidIndex, hull: &Mesh, limits: &Limits<'_>) -> Bounds {
+    let size = index.bvh().bounds().diagonal();
+    let mut epsilon = 1e-6 * size;
+    let mut lower = 0.0;
+    loop {
+        match decide(index, hull, epsilon, limits) {
+            Decision::Within(found) | Decision::Unproven(found) => return (found.lower.max(lower), found.upper),
+            Decision::Beyond { lower: found, .. } => {
+                lower = found.max(lower);
+                epsilon = lower * 1.01;
+            }
+        }
+    }
+}
+
+/// Convex hull of (n, 3) points: (vertices, faces).
+#[pyfunction]
+pub fn convex_hull<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>)> {
+    let points = points(py, &vertices)?;
+    let made = std::panic::catch_unwind(|| assetpipe_geometry::hull::convex_hull(&points))
+        .map_err(|_| engine_error(py, "the hull failed; please report it with these points"))?;
+    let hull = made.map_err(|e| mesh_error(py, &e.to_string()))?;
+    Ok(arrays(py, &hull))
+}
