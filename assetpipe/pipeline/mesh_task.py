@@ -144,7 +144,7 @@ def _decompose(
             threads=int(os.environ.get("ASSETPIPE_THREADS", "1")),
             max_hulls=params["max_hulls"],
             max_hull_vertices=params["max_hull_vertices"],
-            cavities=params["cavities"],
+            cavities="keep",  # repair has filled them, if that was asked
             reach=params["reach"],
             on_progress=lambda done: reporter.stage("decompose", float(done)),
         )
@@ -171,6 +171,7 @@ def _decompose(
         findings.append(Finding("AP303", Severity.ERROR, "the engine returned no hull"))
         return None
     facts["certificate"] = result.certificate.as_dict()
+    facts["coverage"] = result.coverage.as_dict()
     facts["hulls"] = len(hulls)
     facts["hull_vertices"] = sum(len(h.mesh.vertices) for h in hulls)
     allowed = facts["tolerance"]

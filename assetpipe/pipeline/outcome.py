@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from assetpipe.decomposition.certificate import Certificate, Interval
 from assetpipe.errors import InputError
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.mesh import Mesh
@@ -35,6 +36,13 @@ class HullOutcome:
     mesh: Mesh
     thickening: tuple[float, float]
     concavity: tuple[float, float] | None = None
+
+    @property
+    def certificate(self) -> Certificate:
+        """The same as a value of the decomposition."""
+        return Certificate(
+            Interval(*self.thickening), Interval(*self.concavity) if self.concavity else None
+        )
 
 
 @dataclass(frozen=True)

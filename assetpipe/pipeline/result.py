@@ -12,29 +12,43 @@ from assetpipe.errors import Location, UsageError
 from assetpipe.findings import Finding, Severity
 
 if TYPE_CHECKING:
-    from assetpipe.geometry.mesh import FloatArray, IntArray
+    from assetpipe.decomposition import Certificate
+    from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
     from assetpipe.pipeline.outcome import MeshOutcome
 
 Treatment = Literal["decomposed", "kept", "primitive"]
 
 
 @dataclass(frozen=True, eq=False)
-class Hull:
-    """One hull in a link, as written.
+class WrittenHull:
+    """One hull of a link, as written.
 
     Attributes:
         file: relative to OUT.
-        vertices: (k, 3) metres, in the frame of the collision element (scale applied).
-        faces: (f, 3), outward.
+        mesh: metres, in the frame of the collision element (scale applied).
         link_from_shape: (4, 4), the element's ``<origin>``.
-        thickening: certified ``(lower, upper)``, metres.
+        certificate: what is proved about it.
     """
 
     file: str
-    vertices: FloatArray
-    faces: IntArray
+    mesh: Mesh
     link_from_shape: FloatArray
-    thickening: tuple[float, float]
+    certificate: Certificate
+
+    @property
+    def vertices(self) -> FloatArray:
+        """(k, 3) metres."""
+        return self.mesh.vertices
+
+    @property
+    def faces(self) -> IntArray:
+        """(f, 3), outward."""
+        return self.mesh.faces
+
+    @property
+    def volume(self) -> float:
+        """m³."""
+        return self.mesh.volume
 
 
 @dataclass(frozen=True)
@@ -124,20 +138,20 @@ class LinkResult:
     load: Callable[[int], MeshOutcome] = field(repr=False, compare=False)
 
     @cached_property
-    def hulls(self) -> tuple[Hull, ...]:
+    def hulls(self) -> tuple[WrittenHull, ...]:
         """Every hull of the link, element by element."""
         import numpy as np
 
-        found: list[Hull] = []
+        from assetpipe.geometry.mesh import locked
+
+        found: list[WrittenHull] = []
         for element in self.collisions:
             if element.treatment != "decomposed" or element.mesh is None:
                 continue
             outcome = self.load(element.mesh)
-            matrix = np.array(element.link_from_shape, dtype=np.float64)
-            matrix.setflags(write=False)
+            matrix = locked(np.array(element.link_from_shape, dtype=np.float64))
             for file, hull in zip(element.files, outcome.hulls, strict=True):
-                mesh = hull.mesh
-                found.append(Hull(file, mesh.vertices, mesh.faces, matrix, hull.thickening))
+                found.append(WrittenHull(file, hull.mesh, matrix, hull.certificate))
         return tuple(found)
 
 
