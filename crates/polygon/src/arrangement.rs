@@ -14,8 +14,7 @@ use crate::{OutlineError, Point};
 /// Constrained Delaunay triangulation over all vertices; constraint edges are
 /// the boundary and, later, the diagonals that cut it.
 pub(crate) type Triangulation = ConstrainedDelaunayTriangulation<Point2<f64>>;
-pub(crate) type Edge<'a> =
-    DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, ()>;
+pub(crate) type Edge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, ()>;
 
 /// A connected open piece of the interior, by its boundary walks.
 pub(crate) struct Component {
@@ -129,8 +128,8 @@ fn numbered(rings: &[Vec<Point>]) -> (Vec<Point>, Vec<Vec<u32>>) {
 /// even number of rings bound nothing and are let go again.
 fn constrained(points: &[Point], rings: &[Vec<u32>]) -> Result<Triangulation, OutlineError> {
     let sites = points.iter().map(|p| Point2::new(p.x, p.y)).collect();
-    let mut cdt = Triangulation::bulk_load_cdt(sites, Vec::new())
-        .map_err(|_| OutlineError::NoArea)?;
+    let mut cdt =
+        Triangulation::bulk_load_cdt(sites, Vec::new()).map_err(|_| OutlineError::NoArea)?;
     let mut odd = vec![false; cdt.num_undirected_edges()];
     for (number, ring) in rings.iter().enumerate() {
         for (k, &from) in ring.iter().enumerate() {
@@ -166,9 +165,7 @@ fn crossing(
     let other = cdt
         .get_conflicting_edges_between_vertices(handle(from), handle(to))
         .next()
-        .map_or(edge, |e| {
-            e.vertices().map(|v| points[v.fix().index()])
-        });
+        .map_or(edge, |e| e.vertices().map(|v| points[v.fix().index()]));
     OutlineError::Crossing { ring, edge, other }
 }
 
@@ -179,10 +176,7 @@ fn components(points: &[Point], cdt: &Triangulation) -> Vec<Component> {
     let mut label = vec![UNSEEN; cdt.num_all_faces()];
     label[cdt.outer_face().fix().index()] = OUTSIDE;
     // alternate: everything reachable without crossing a boundary, then one step across
-    let mut frontier: Vec<(Edge<'_>, bool)> = cdt
-        .convex_hull()
-        .map(|edge| (edge, false))
-        .collect();
+    let mut frontier: Vec<(Edge<'_>, bool)> = cdt.convex_hull().map(|edge| (edge, false)).collect();
     let mut count = 0;
     while let Some((near, near_inside)) = frontier.pop() {
         let face = near.rev().face();
@@ -278,7 +272,16 @@ mod tests {
     #[test]
     fn duplicates_spikes_and_collinear_runs_vanish() {
         let square = ring(&[
-            (0., 0.), (1., 0.), (1., 0.), (2., 0.), (5., 0.), (2., 0.), (2., 2.), (0., 2.), (0., 1.), (0., 0.),
+            (0., 0.),
+            (1., 0.),
+            (1., 0.),
+            (2., 0.),
+            (5., 0.),
+            (2., 0.),
+            (2., 2.),
+            (0., 2.),
+            (0., 1.),
+            (0., 0.),
         ]);
         let found = arrange(&[square]).unwrap();
         assert_eq!(found.components.len(), 1);
@@ -307,7 +310,10 @@ mod tests {
     #[test]
     fn crossing_edges_are_told_apart_from_touching_ones() {
         let bow = ring(&[(0., 0.), (2., 2.), (2., 0.), (0., 2.)]);
-        assert!(matches!(arrange(&[bow]), Err(OutlineError::Crossing { .. })));
+        assert!(matches!(
+            arrange(&[bow]),
+            Err(OutlineError::Crossing { .. })
+        ));
         let touching = ring(&[(0., 0.), (2., 0.), (1., 1.), (2., 2.), (0., 2.), (1., 1.)]);
         assert_eq!(arrange(&[touching]).unwrap().components.len(), 2);
     }

@@ -40,9 +40,15 @@ pub struct Parameters {
 /// enclosed or a parameter is out of range.
 pub fn decompose(rings: &[Vec<Point>], parameters: &Parameters) -> Result<Hierarchy, OutlineError> {
     let wanted = |name, wanted, got: f64, good: bool| {
-        if good { Ok(()) } else { Err(OutlineError::Parameter { name, wanted, got }) }
+        if good {
+            Ok(())
+        } else {
+            Err(OutlineError::Parameter { name, wanted, got })
+        }
     };
-    let Parameters { tolerance, weights, .. } = *parameters;
+    let Parameters {
+        tolerance, weights, ..
+    } = *parameters;
     wanted("tolerance", "a number >= 0", tolerance, tolerance >= 0.0)?;
     let (s_c, s_d) = (weights.concavity, weights.distance);
     wanted("s_c", "finite and >= 0", s_c, s_c >= 0.0 && s_c.is_finite())?;
@@ -55,7 +61,13 @@ pub fn decompose(rings: &[Vec<Point>], parameters: &Parameters) -> Result<Hierar
     let mut holes = Vec::new();
     for component in &components {
         outers.push(boundary.add_ring(&component.outer));
-        holes.push(component.holes.iter().map(|ring| boundary.add_ring(ring)).collect::<Vec<_>>());
+        holes.push(
+            component
+                .holes
+                .iter()
+                .map(|ring| boundary.add_ring(ring))
+                .collect::<Vec<_>>(),
+        );
     }
     let mut engine = Engine::new(arrangement, boundary, *parameters);
     let mut starts = Vec::new();
@@ -63,7 +75,11 @@ pub fn decompose(rings: &[Vec<Point>], parameters: &Parameters) -> Result<Hierar
         engine.measure_ring(*outer);
         let left = engine.merge_holes(holes);
         engine.cut_notches();
-        starts.push(Start { outer: *outer, holes: holes.clone(), concavity: left });
+        starts.push(Start {
+            outer: *outer,
+            holes: holes.clone(),
+            concavity: left,
+        });
     }
     Ok(engine.finish(&starts))
 }
@@ -155,7 +171,11 @@ impl Engine {
             self.concavity[chain[end] as usize] = 0.0;
             if let Some(witness) = found {
                 let vertex = self.boundary.vertex[witness.corner as usize];
-                self.queue.push(Entry { witness, vertex, start: corner });
+                self.queue.push(Entry {
+                    witness,
+                    vertex,
+                    start: corner,
+                });
             }
             start = end;
         }
@@ -181,6 +201,17 @@ impl Engine {
             self.on_hull.push(self.on_hull[old as usize]);
             self.concavity.push(self.concavity[old as usize]);
             self.pocket.push(None);
+        }
+        // what follows the far end's hull corner now begins at its twin
+        if let Some(witness) = self.pocket[x as usize].filter(|_| self.on_hull[x as usize]) {
+            let new_x = diagonal.new_x;
+            self.pocket[new_x as usize] = Some(witness);
+            let vertex = self.boundary.vertex[witness.corner as usize];
+            self.queue.push(Entry {
+                witness,
+                vertex,
+                start: new_x,
+            });
         }
         diagonal
     }
@@ -216,17 +247,27 @@ impl Engine {
                 h = holes[h].parent as usize - 1;
             }
             // corners get a new twin at each diagonal, so the planned one may face elsewhere
-            let reaches_outer =
-                |c: u32| ring_of.get(c as usize).is_none_or(|&r| r == OUTER || merged[r as usize - 1]);
+            let reaches_outer = |c: u32| {
+                ring_of
+                    .get(c as usize)
+                    .is_none_or(|&r| r == OUTER || merged[r as usize - 1])
+            };
             let Some((h, r, x)) = self.free_diagonal(h, &holes, &merged, reaches_outer) else {
-                debug_assert!(false, "some hole sees the outer boundary: the interior is connected");
+                debug_assert!(
+                    false,
+                    "some hole sees the outer boundary: the interior is connected"
+                );
                 return value;
             };
             let diagonal = self.link(r, x);
             merged[h] = true;
             left -= 1;
             self.measure_merged(&diagonal);
-            self.cuts.push(Cut { diagonal, concavity: value, joins: true });
+            self.cuts.push(Cut {
+                diagonal,
+                concavity: value,
+                joins: true,
+            });
         }
         0.0
     }
@@ -242,8 +283,14 @@ impl Engine {
     ) -> Option<(usize, u32, u32)> {
         let (from, to) = (holes[h].from, holes[h].to);
         let [eye, vertex] = [self.boundary.point(from), self.boundary.point(to)];
-        let to = self.boundary.facing(self.boundary.vertex[to as usize], eye).unwrap_or(to);
-        let from = self.boundary.facing(self.boundary.vertex[from as usize], vertex).unwrap_or(from);
+        let to = self
+            .boundary
+            .facing(self.boundary.vertex[to as usize], eye)
+            .unwrap_or(to);
+        let from = self
+            .boundary
+            .facing(self.boundary.vertex[from as usize], vertex)
+            .unwrap_or(from);
         if holes::is_free(&self.arrangement, &self.boundary, from, to) {
             return Some((h, from, to));
         }
@@ -251,7 +298,8 @@ impl Engine {
             .chain((0..holes.len()).filter(|&k| k != h && !merged[k]))
             .find_map(|k| {
                 let ring = &holes[k].ring;
-                holes::detour(&self.arrangement, &self.boundary, ring, &wanted).map(|(r, x)| (k, r, x))
+                holes::detour(&self.arrangement, &self.boundary, ring, &wanted)
+                    .map(|(r, x)| (k, r, x))
             })
     }
 
@@ -285,14 +333,6 @@ impl Engine {
     /// new one without a bridge has opened at the hull corner `x`.
     fn measure_merged(&mut self, diagonal: &Diagonal) {
         let Diagonal { x, new_x, .. } = *diagonal;
-        if self.on_hull[x as usize] {
-            let following = self.pocket[x as usize];
-            self.pocket[new_x as usize] = following;
-            if let Some(witness) = following {
-                let vertex = self.boundary.vertex[witness.corner as usize];
-                self.queue.push(Entry { witness, vertex, start: new_x });
-            }
-        }
         let chain = self.chain_between(self.hull_before(x), new_x);
         self.measure_pockets(&chain);
     }
@@ -338,7 +378,11 @@ impl Engine {
             let diagonal = self.link(worst.corner, x);
             self.measure_cut(diagonal.x, diagonal.r);
             self.measure_cut(diagonal.new_r, diagonal.new_x);
-            self.cuts.push(Cut { diagonal, concavity: worst.value, joins: false });
+            self.cuts.push(Cut {
+                diagonal,
+                concavity: worst.value,
+                joins: false,
+            });
         }
     }
 
@@ -377,6 +421,12 @@ impl Engine {
                 .filter_map(|&c| self.pocket[c as usize])
                 .fold(0.0_f64, |worst, w| worst.max(w.value))
         };
-        Hierarchy::new(&self.boundary, self.cuts.clone(), starts, largest, self.parameters.tolerance)
+        Hierarchy::new(
+            &self.boundary,
+            self.cuts.clone(),
+            starts,
+            largest,
+            self.parameters.tolerance,
+        )
     }
 }

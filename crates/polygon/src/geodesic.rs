@@ -49,13 +49,29 @@ struct Funnel<'a> {
 }
 
 enum Step {
-    Enter { chord: usize, low: u32, high: u32, left: usize, right: usize, cusp: usize, cell: usize, vertex: u32 },
-    Restore { cell: usize, vertex: u32 },
+    Enter {
+        chord: usize,
+        low: u32,
+        high: u32,
+        left: usize,
+        right: usize,
+        cusp: usize,
+        cell: usize,
+        vertex: u32,
+    },
+    Restore {
+        cell: usize,
+        vertex: u32,
+    },
 }
 
 impl<'a> Funnel<'a> {
     fn new(ring: &'a [Point]) -> Self {
-        Self { ring, distance: vec![f64::INFINITY; ring.len()], cells: vec![0; 2 * ring.len() + 4] }
+        Self {
+            ring,
+            distance: vec![f64::INFINITY; ring.len()],
+            cells: vec![0; 2 * ring.len() + 4],
+        }
     }
 
     fn run(&mut self, start: &[u32], cusp: usize) {
@@ -79,7 +95,16 @@ impl<'a> Funnel<'a> {
                     self.cells[cell] = vertex;
                     continue;
                 }
-                Step::Enter { chord, low, high, left, right, cusp, cell, vertex } => {
+                Step::Enter {
+                    chord,
+                    low,
+                    high,
+                    left,
+                    right,
+                    cusp,
+                    cell,
+                    vertex,
+                } => {
                     let old = self.cells[cell];
                     self.cells[cell] = vertex;
                     steps.push(Step::Restore { cell, vertex: old });
@@ -270,7 +295,10 @@ mod tests {
                     (from_closing_edge(&ring), brute_force(&ring, true)),
                 ] {
                     for (k, (a, b)) in fast.iter().zip(&slow).enumerate() {
-                        assert!((a - b).abs() < 1e-6, "seed {seed} turn {turn} vertex {k}: {a} {b}");
+                        assert!(
+                            (a - b).abs() < 1e-6,
+                            "seed {seed} turn {turn} vertex {k}: {a} {b}"
+                        );
                     }
                 }
             }

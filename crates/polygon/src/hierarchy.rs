@@ -40,7 +40,11 @@ pub struct Part {
 impl Part {
     /// Its area.
     pub fn area(&self) -> f64 {
-        self.holes.iter().fold(signed_area(&self.outer), |sum, hole| sum + signed_area(hole))
+        self.holes
+            .iter()
+            .fold(signed_area(&self.outer), |sum, hole| {
+                sum + signed_area(hole)
+            })
     }
 }
 
@@ -86,7 +90,13 @@ impl Hierarchy {
                     ring_of[c as usize] = nodes.len() as u32;
                 }
                 let concavity = largest(corner);
-                nodes.push(Node { concavity, cut: None, parent: None, corner, holes: Vec::new() });
+                nodes.push(Node {
+                    concavity,
+                    cut: None,
+                    parent: None,
+                    corner,
+                    holes: Vec::new(),
+                });
             }
             ring_of[corner as usize]
         };
@@ -98,7 +108,8 @@ impl Hierarchy {
         for (start, &outer) in starts.iter().zip(&outers) {
             let node: &mut Node = &mut nodes[outer as usize];
             let unmerged = |&hole: &u32| ring_of[hole as usize] == UNKNOWN;
-            node.holes.extend(start.holes.iter().copied().filter(unmerged));
+            node.holes
+                .extend(start.holes.iter().copied().filter(unmerged));
             node.concavity = node.concavity.max(start.concavity);
         }
         let mut top: Vec<u32> = (0..nodes.len() as u32).collect();
@@ -106,7 +117,6 @@ impl Hierarchy {
             let mut children = ends.map(|leaf| find(&mut top, leaf)).to_vec();
             children.dedup();
             let number = nodes.len() as u32;
-            let corner = nodes[children[0] as usize].corner;
             for &child in &children {
                 nodes[child as usize].parent = Some(number);
                 top[child as usize] = number;
@@ -116,12 +126,22 @@ impl Hierarchy {
                 concavity: cut.concavity,
                 cut: Some((k as u32, children)),
                 parent: None,
-                corner,
+                // alive once the diagonal is taken back, and never on the hole that it merges
+                corner: cut.diagonal.x,
                 holes: Vec::new(),
             });
         }
-        let roots = outers.into_iter().map(|outer| find(&mut top, outer)).collect();
-        Self { boundary: boundary.clone(), cuts, nodes, roots, tolerance }
+        let roots = outers
+            .into_iter()
+            .map(|outer| find(&mut top, outer))
+            .collect();
+        Self {
+            boundary: boundary.clone(),
+            cuts,
+            nodes,
+            roots,
+            tolerance,
+        }
     }
 
     /// The tolerance it was computed for: no finer level exists.
@@ -129,11 +149,18 @@ impl Hierarchy {
         self.tolerance
     }
 
-    /// Per state of the recursion its concavity and, where there is one, the
-    /// concavity of the state it came from.
-    pub fn descents(&self) -> Vec<(f64, Option<f64>)> {
-        let of = |k: u32| self.nodes[k as usize].concavity;
-        self.nodes.iter().map(|node| (node.concavity, node.parent.map(of))).collect()
+    /// Per part that a diagonal split off, its concavity and that of the part
+    /// before: what Lemma 5.3 is about. (Merging a hole is no such step: it
+    /// adds the hole's depth to the outer boundary.)
+    pub fn descents(&self) -> Vec<(f64, f64)> {
+        self.nodes
+            .iter()
+            .filter_map(|node| {
+                let parent = &self.nodes[node.parent? as usize];
+                let (_, children) = parent.cut.as_ref()?;
+                (children.len() == 2).then_some((node.concavity, parent.concavity))
+            })
+            .collect()
     }
 
     /// The decomposition at `tolerance`: the first states, from the root down,
@@ -189,8 +216,15 @@ impl Hierarchy {
     /// Eq. 9: the parts' area over the area of their convex hulls.
     pub fn convexity(parts: &[Part]) -> f64 {
         let own: f64 = parts.iter().map(Part::area).sum();
-        let hulls: f64 = parts.iter().map(|part| signed_area(&convex_hull(&part.outer))).sum();
-        if hulls > 0.0 { own / hulls } else { 1.0 }
+        let hulls: f64 = parts
+            .iter()
+            .map(|part| signed_area(&convex_hull(&part.outer)))
+            .sum();
+        if hulls > 0.0 {
+            own / hulls
+        } else {
+            1.0
+        }
     }
 }
 
@@ -210,14 +244,22 @@ fn part(boundary: &Boundary, loops: &mut Loops, node: &Node, holes: &[u32]) -> P
         let walk = boundary.ring(start);
         let vertices: Vec<u32> = walk.iter().map(|&c| boundary.vertex[c as usize]).collect();
         let (path, found, _) = loops.split(&vertices);
-        let closed = found.iter().map(|l| std::iter::once(l.root).chain(l.inner.iter().copied()).collect());
+        let closed = found.iter().map(|l| {
+            std::iter::once(l.root)
+                .chain(l.inner.iter().copied())
+                .collect()
+        });
         for ring in std::iter::once(path).chain(closed) {
             if ring.len() > 2 {
                 rings.push(ring.iter().map(|&k| vertices[k]).collect::<Vec<u32>>());
             }
         }
     }
-    let points = |ring: &[u32]| ring.iter().map(|&v| boundary.points[v as usize]).collect::<Vec<_>>();
+    let points = |ring: &[u32]| {
+        ring.iter()
+            .map(|&v| boundary.points[v as usize])
+            .collect::<Vec<_>>()
+    };
     let mut outer = Vec::new();
     let mut inner = Vec::new();
     for ring in &rings {
@@ -227,5 +269,9 @@ fn part(boundary: &Boundary, loops: &mut Loops, node: &Node, holes: &[u32]) -> P
             inner.push(points(ring));
         }
     }
-    Part { outer, holes: inner, concavity: node.concavity }
+    Part {
+        outer,
+        holes: inner,
+        concavity: node.concavity,
+    }
 }

@@ -67,9 +67,17 @@ pub(crate) fn mark_ring(boundary: &Boundary, mut ring: Vec<u32>, on_hull: &mut [
         p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(a.cmp(b))
     };
     let extreme = |order: Option<(usize, &u32)>| order.map_or(0, |(k, _)| k);
-    let low = extreme(ring.iter().enumerate().min_by(|a, b| lexicographic(a.1, b.1)));
+    let low = extreme(
+        ring.iter()
+            .enumerate()
+            .min_by(|a, b| lexicographic(a.1, b.1)),
+    );
     ring.rotate_left(low);
-    let high = extreme(ring.iter().enumerate().max_by(|a, b| lexicographic(a.1, b.1)));
+    let high = extreme(
+        ring.iter()
+            .enumerate()
+            .max_by(|a, b| lexicographic(a.1, b.1)),
+    );
     ring.push(ring[0]);
     mark_chain(boundary, &ring[..=high], on_hull);
     mark_chain(boundary, &ring[high..], on_hull);

@@ -83,7 +83,10 @@ pub fn signed_area(ring: &[Point]) -> f64 {
     let cross = |a: Point, b: Point| {
         (a.x - origin.x) * (b.y - origin.y) - (b.x - origin.x) * (a.y - origin.y)
     };
-    ring.windows(2).map(|edge| cross(edge[0], edge[1])).sum::<f64>() / 2.0
+    ring.windows(2)
+        .map(|edge| cross(edge[0], edge[1]))
+        .sum::<f64>()
+        / 2.0
 }
 
 /// The convex hull, counter-clockwise, without collinear points
@@ -99,8 +102,7 @@ pub fn convex_hull(points: &[Point]) -> Vec<Point> {
     for pass in 0..2 {
         let floor = hull.len() + 1;
         let mut push = |q: Point| {
-            while hull.len() > floor
-                && orient(hull[hull.len() - 2], hull[hull.len() - 1], q) <= 0.0
+            while hull.len() > floor && orient(hull[hull.len() - 2], hull[hull.len() - 1], q) <= 0.0
             {
                 hull.pop();
             }
@@ -122,8 +124,16 @@ mod tests {
 
     #[test]
     fn hull_drops_collinear_and_inner_points() {
-        let square = [(0., 0.), (1., 0.), (2., 0.), (2., 2.), (1., 1.), (0., 2.), (0., 1.)]
-            .map(|(x, y)| Point::new(x, y));
+        let square = [
+            (0., 0.),
+            (1., 0.),
+            (2., 0.),
+            (2., 2.),
+            (1., 1.),
+            (0., 2.),
+            (0., 1.),
+        ]
+        .map(|(x, y)| Point::new(x, y));
         let hull = convex_hull(&square);
         assert_eq!(hull.len(), 4);
         assert_eq!(signed_area(&hull), 4.0);

@@ -17,7 +17,10 @@ pub struct DiagonalWeights {
 impl Default for DiagonalWeights {
     /// The paper's experiments: `s_c = 0.1`, `s_d = 1` (§7.2).
     fn default() -> Self {
-        Self { concavity: 0.1, distance: 1.0 }
+        Self {
+            concavity: 0.1,
+            distance: 1.0,
+        }
     }
 }
 

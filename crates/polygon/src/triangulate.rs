@@ -101,7 +101,12 @@ fn monotone_diagonals(ring: &[Point]) -> Vec<(u32, u32)> {
                     below.helper = v;
                     below.helper_merges = false;
                 }
-                let edge = Below { from: v, to: next, helper: v, helper_merges: false };
+                let edge = Below {
+                    from: v,
+                    to: next,
+                    helper: v,
+                    helper_merges: false,
+                };
                 status.insert(rank, edge);
             }
             (true, true) => {
@@ -125,7 +130,12 @@ fn monotone_diagonals(ring: &[Point]) -> Vec<(u32, u32)> {
                 if edge.helper_merges {
                     add(v, edge.helper);
                 }
-                *edge = Below { from: v, to: next, helper: v, helper_merges: false };
+                *edge = Below {
+                    from: v,
+                    to: next,
+                    helper: v,
+                    helper_merges: false,
+                };
             }
             (false, true) => {
                 if rank > 0 {
@@ -274,14 +284,24 @@ mod tests {
         let mut spiral: Vec<Point> = Vec::new();
         for k in 0..60 {
             let t = f64::from(k) * std::f64::consts::TAU / 60.0;
-            let r = if k % 2 == 0 { 1.0 } else { 0.2 + f64::from(k) / 100.0 };
+            let r = if k % 2 == 0 {
+                1.0
+            } else {
+                0.2 + f64::from(k) / 100.0
+            };
             star.push(Point::new(r * libm::cos(t), r * libm::sin(t)));
             let t = f64::from(k) * 0.35;
-            spiral.push(Point::new((1.0 + t) * libm::cos(t), (1.0 + t) * libm::sin(t)));
+            spiral.push(Point::new(
+                (1.0 + t) * libm::cos(t),
+                (1.0 + t) * libm::sin(t),
+            ));
         }
         for k in (0..60).rev() {
             let t = f64::from(k) * 0.35;
-            spiral.push(Point::new((3.0 + t) * libm::cos(t), (3.0 + t) * libm::sin(t)));
+            spiral.push(Point::new(
+                (3.0 + t) * libm::cos(t),
+                (3.0 + t) * libm::sin(t),
+            ));
         }
         spiral.reverse();
         for ring in [comb, star, spiral] {

@@ -16,7 +16,9 @@ struct Window<'a> {
     left: Point,
 }
 
-fn place(edge_end: spade::handles::VertexHandle<'_, spade::Point2<f64>, (), spade::CdtEdge<()>, ()>) -> Point {
+fn place(
+    edge_end: spade::handles::VertexHandle<'_, spade::Point2<f64>, (), spade::CdtEdge<()>, ()>,
+) -> Point {
     let p = edge_end.position();
     Point::new(p.x, p.y)
 }
@@ -53,7 +55,10 @@ pub(crate) fn from_corner(
         if end || spoke.fix() == first.fix() {
             break;
         }
-        limit = limit.min(seen(index(spoke.to().fix()), eye.distance(place(spoke.to()))));
+        limit = limit.min(seen(
+            index(spoke.to().fix()),
+            eye.distance(place(spoke.to())),
+        ));
     }
     while let Some(window) = stack.pop() {
         if window.edge.is_constraint_edge() {
@@ -73,11 +78,19 @@ pub(crate) fn from_corner(
         }
         if left_of_right {
             let left = if right_of_left { at } else { window.left };
-            stack.push(Window { edge: beyond.next(), right: window.right, left });
+            stack.push(Window {
+                edge: beyond.next(),
+                right: window.right,
+                left,
+            });
         }
         if right_of_left {
             let right = if left_of_right { at } else { window.right };
-            stack.push(Window { edge: beyond.prev(), right, left: window.left });
+            stack.push(Window {
+                edge: beyond.prev(),
+                right,
+                left: window.left,
+            });
         }
     }
 }
@@ -86,8 +99,7 @@ pub(crate) fn from_corner(
 /// counter-clockwise and star-shaped about `eye`. Window ends are rounded.
 /// Empty when `eye` lies on a vertex or an edge or outside the triangulation.
 pub(crate) fn from_point(cdt: &Triangulation, eye: Point) -> Vec<Point> {
-    let PositionInTriangulation::OnFace(face) = cdt.locate(spade::Point2::new(eye.x, eye.y))
-    else {
+    let PositionInTriangulation::OnFace(face) = cdt.locate(spade::Point2::new(eye.x, eye.y)) else {
         return Vec::new();
     };
     let mut region: Vec<Point> = Vec::new();
@@ -97,13 +109,21 @@ pub(crate) fn from_point(cdt: &Triangulation, eye: Point) -> Vec<Point> {
         .adjacent_edges()
         .into_iter()
         .rev()
-        .map(|edge| Window { edge, right: place(edge.from()), left: place(edge.to()) })
+        .map(|edge| Window {
+            edge,
+            right: place(edge.from()),
+            left: place(edge.to()),
+        })
         .collect();
     while let Some(window) = stack.pop() {
         let (a, b) = (place(window.edge.from()), place(window.edge.to()));
         if window.edge.is_constraint_edge() {
             for ray in [window.right, window.left] {
-                let hit = if ray == a || ray == b { ray } else { along_ray(eye, ray, a, b) };
+                let hit = if ray == a || ray == b {
+                    ray
+                } else {
+                    along_ray(eye, ray, a, b)
+                };
                 if region.last() != Some(&hit) {
                     region.push(hit);
                 }
@@ -116,11 +136,19 @@ pub(crate) fn from_point(cdt: &Triangulation, eye: Point) -> Vec<Point> {
         let right_of_left = orient(eye, window.left, at) < 0.0;
         if right_of_left {
             let right = if left_of_right { at } else { window.right };
-            stack.push(Window { edge: beyond.prev(), right, left: window.left });
+            stack.push(Window {
+                edge: beyond.prev(),
+                right,
+                left: window.left,
+            });
         }
         if left_of_right {
             let left = if right_of_left { at } else { window.left };
-            stack.push(Window { edge: beyond.next(), right: window.right, left });
+            stack.push(Window {
+                edge: beyond.next(),
+                right: window.right,
+                left,
+            });
         }
     }
     if region.len() > 1 && region.first() == region.last() {
@@ -132,6 +160,10 @@ pub(crate) fn from_point(cdt: &Triangulation, eye: Point) -> Vec<Point> {
 /// Where the ray from `eye` through `ray` meets the line `a b`.
 fn along_ray(eye: Point, ray: Point, a: Point, b: Point) -> Point {
     let (da, db) = (orient(eye, ray, a), orient(eye, ray, b));
-    let t = if da == db { 0.0 } else { (da / (da - db)).clamp(0.0, 1.0) };
+    let t = if da == db {
+        0.0
+    } else {
+        (da / (da - db)).clamp(0.0, 1.0)
+    };
     Point::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
 }

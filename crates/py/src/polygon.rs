@@ -43,8 +43,8 @@ impl PolygonHierarchy {
         (parts, convexity)
     }
 
-    /// Per state of the recursion its concavity and that of the state before.
-    fn descents(&self) -> Vec<(f64, Option<f64>)> {
+    /// Per part that a diagonal split off, its concavity and that of the part before.
+    fn descents(&self) -> Vec<(f64, f64)> {
         self.0.descents()
     }
 }

@@ -25,7 +25,9 @@ pub(crate) struct Loops {
 
 impl Loops {
     pub fn new(vertices: usize) -> Self {
-        Self { mark: vec![0; vertices] }
+        Self {
+            mark: vec![0; vertices],
+        }
     }
 
     /// Splits a sequence of vertices. Returns the positions of the simple
@@ -48,7 +50,10 @@ impl Loops {
             }
             repeats.push((k, path[seen - 1]));
             if !inner.is_empty() {
-                loops.push(Loop { root: path[seen - 1], inner });
+                loops.push(Loop {
+                    root: path[seen - 1],
+                    inner,
+                });
             }
         }
         for &position in &path {

@@ -24,7 +24,9 @@ pub(super) fn ends(
     let (_, second) = farthest_tip(first)?;
     let corner_of = |tip: Edge<'_>| {
         let vertex = index(tip.from().fix());
-        ring.iter().copied().find(|&c| boundary.vertex[c as usize] == vertex)
+        ring.iter()
+            .copied()
+            .find(|&c| boundary.vertex[c as usize] == vertex)
     };
     Some([corner_of(first)?, corner_of(second)?])
 }

@@ -70,12 +70,19 @@ pub(crate) fn tie(
         .filter_map(|ring| {
             let ends = antipodal(arrangement, boundary, ring, axis, &mut loops);
             ends.iter()
-                .filter_map(|&end| nearest(arrangement, boundary, end, |c| ring_of[c as usize] != ring_of[end as usize]))
+                .filter_map(|&end| {
+                    nearest(arrangement, boundary, end, |c| {
+                        ring_of[c as usize] != ring_of[end as usize]
+                    })
+                })
                 .min_by(|a, b| a.length.total_cmp(&b.length).then(a.from.cmp(&b.from)))
         })
         .collect();
     let by_length = |a: &Link, b: &Link| {
-        a.length.total_cmp(&b.length).then(a.from.cmp(&b.from)).then(a.to.cmp(&b.to))
+        a.length
+            .total_cmp(&b.length)
+            .then(a.from.cmp(&b.from))
+            .then(a.to.cmp(&b.to))
     };
     links.sort_by(by_length);
     let mut bridges = crossing_edges(arrangement, boundary, &ring_of);
@@ -149,7 +156,11 @@ fn crossing_edges(arrangement: &Arrangement, boundary: &Boundary, ring_of: &[u32
         let (p, q) = (boundary.points[u as usize], boundary.points[v as usize]);
         if let (Some(a), Some(b)) = (boundary.facing(u, q), boundary.facing(v, p)) {
             if ring_of[a as usize] != ring_of[b as usize] {
-                found.push(Link { length: p.distance(q), from: a, to: b });
+                found.push(Link {
+                    length: p.distance(q),
+                    from: a,
+                    to: b,
+                });
             }
         }
     }
@@ -174,7 +185,11 @@ fn spanning_tree(holes: usize, links: &[Link], ring_of: &[u32]) -> Vec<Link> {
         if a != b {
             group[a] = b;
             adjacent[ends[0]].push(*link);
-            adjacent[ends[1]].push(Link { from: link.to, to: link.from, ..*link });
+            adjacent[ends[1]].push(Link {
+                from: link.to,
+                to: link.from,
+                ..*link
+            });
         }
     }
     let mut parent: Vec<Option<Link>> = vec![None; holes + 1];
@@ -183,7 +198,11 @@ fn spanning_tree(holes: usize, links: &[Link], ring_of: &[u32]) -> Vec<Link> {
         for link in &adjacent[ring] {
             let child = ring_of[link.to as usize] as usize;
             if child != 0 && parent[child].is_none() {
-                parent[child] = Some(Link { from: link.to, to: link.from, ..*link });
+                parent[child] = Some(Link {
+                    from: link.to,
+                    to: link.from,
+                    ..*link
+                });
                 stack.push(child);
             }
         }
@@ -219,12 +238,17 @@ fn farthest(boundary: &Boundary, ring: &[u32], p: u32, axis: HoleAxis, loops: &m
         let start = ring.iter().position(|&c| c == p).unwrap_or(0);
         // the hole lies right of its walk: backwards it is counter-clockwise
         let n = ring.len();
-        let polygon: Vec<_> =
-            (0..n).map(|k| boundary.point(ring[(start + n - k) % n])).collect();
-        return geodesic::from_first_vertex(&polygon).into_iter().fold(0.0, f64::max);
+        let polygon: Vec<_> = (0..n)
+            .map(|k| boundary.point(ring[(start + n - k) % n]))
+            .collect();
+        return geodesic::from_first_vertex(&polygon)
+            .into_iter()
+            .fold(0.0, f64::max);
     }
     let eye = boundary.point(p);
-    ring.iter().map(|&c| eye.distance(boundary.point(c))).fold(0.0, f64::max)
+    ring.iter()
+        .map(|&c| eye.distance(boundary.point(c)))
+        .fold(0.0, f64::max)
 }
 
 /// Whether the segment between two corners is still free of constraints.

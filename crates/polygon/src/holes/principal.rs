@@ -18,8 +18,16 @@ pub(super) fn ends(boundary: &Boundary, ring: &[u32]) -> [u32; 2] {
     // larger eigenvalue λ of [[xx, xy], [xy, yy]]; its vector from the better row
     let half = (xx - yy) / 2.0;
     let root = (half * half + xy * xy).sqrt();
-    let (ax, ay) = if half >= 0.0 { (half + root, xy) } else { (xy, root - half) };
-    let (ax, ay) = if ax == 0.0 && ay == 0.0 { (1.0, 0.0) } else { (ax, ay) };
+    let (ax, ay) = if half >= 0.0 {
+        (half + root, xy)
+    } else {
+        (xy, root - half)
+    };
+    let (ax, ay) = if ax == 0.0 && ay == 0.0 {
+        (1.0, 0.0)
+    } else {
+        (ax, ay)
+    };
     let along = |c: u32| {
         let p = boundary.point(c);
         (p.x - mx) * ax + (p.y - my) * ay
