@@ -1,5 +1,5 @@
 """The command line: parse, call, exit code. One file a command."""
 
-from assetpipe.cli.main import main
+from assetpipe.cli.shell import main
 
 __all__ = ["main"]

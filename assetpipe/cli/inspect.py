@@ -28,13 +28,18 @@ def command(inputs: tuple[Path, ...], **given: Any) -> int:
     assetpipe inspect link.stl --json
     """
     from assetpipe.cli.progress import progress_bar
+    from assetpipe.pipeline.executors.choose import executor_for
     from assetpipe.pipeline.inspection import inspect
     from assetpipe.report.terminal import console_for, show_findings, show_health
 
     config = options.config_from({"config_name": None, **given})
-    with progress_bar() as listener:
+    with progress_bar() as listener, executor_for(config.jobs, given["cluster"]) as executor:
         result = inspect(
-            inputs, config=config, cache=options.cache_from(given), on_progress=listener
+            inputs,
+            config=config,
+            cache=options.cache_from(given),
+            executor=executor,
+            on_progress=listener,
         )
     record = result.as_dict()
     options.deliver_json(given["json_file"], record)

@@ -1,17 +1,14 @@
 """Whole builds remembered: an unchanged build is copied, not computed.
 
-An entry lists every file that was read with its digest, and every folder whose
-listing decided where references lead. Only if all are as they were is the entry's
-tree written again. It needs neither numpy nor any robot library, which is what makes
-an unchanged second run quick.
+The key is a fingerprint of what was asked, the description and the files that its
+references lead to. Every other file that was read or copied is listed with its digest
+and looked at again, so a changed texture is noticed too.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,11 +17,9 @@ from assetpipe.pipeline.cache import Cache
 from assetpipe.pipeline.identity import digest_file
 
 ROOM = "builds"
-ENVIRONMENT = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
-"""Variables that decide where references lead."""
 
-_INLINE = 2**20
-"""Input files larger than this are copied again from where they lie, not stored."""
+LARGE = 2**20
+"""Input files larger than this many bytes are copied again from where they lie."""
 
 
 @dataclass(frozen=True)
@@ -46,61 +41,48 @@ def remember(
     cache: Cache,
     key: str,
     *,
-    inputs: Mapping[str, str],
-    folders: Iterable[str],
-    out: Path,
     result: Mapping[str, Any],
     tree: Path,
-    names: Iterable[str],
+    outputs: Mapping[str, str],
+    inputs: Mapping[str, str],
 ) -> None:
     """Store a build.
 
     Args:
         cache: where to.
-        key: of what was asked.
-        inputs: SHA-256 by absolute path of every file that was read.
-        folders: absolute paths of folders whose listing mattered.
-        out: left out of listings, for it is ours.
+        key: of all that decided it.
         result: JSON-ready.
         tree: the folder with the written files.
-        names: their paths in it.
+        outputs: their SHA-256 by path in it.
+        inputs: SHA-256 by absolute path of every input file.
     """
-    by_digest = {digest: path for path, digest in inputs.items()}
+    if cache.root is None:
+        return
+    known = {digest: path for path, digest in inputs.items()}
     parts: list[bytes] = []
-    files: list[list[Any]] = []
+    files: list[tuple[str, int]] = []
     copies: dict[str, str] = {}
-    for name in names:
+    for name, digest in sorted(outputs.items()):
         path = tree / name
-        size = path.stat().st_size
-        if size > _INLINE:
-            source = by_digest.get(digest_file(path))
-            if source is not None:
-                copies[name] = source
-                continue
+        if digest in known and path.stat().st_size > LARGE:
+            copies[name] = known[digest]
+            continue
         data = path.read_bytes()
-        files.append([name, len(data)])
+        files.append((name, len(data)))
         parts.append(data)
-    head = {
-        "inputs": dict(inputs),
-        "folders": {folder: _listing(folder, out) for folder in sorted(set(folders))},
-        "result": result,
-        "files": files,
-        "copies": copies,
-    }
+    head = {"result": result, "inputs": dict(inputs), "files": files, "copies": copies}
     cache.put(ROOM, key, b"".join([json.dumps(head).encode(), b"\n", *parts]))
 
 
-def recall(cache: Cache, key: str, out: Path) -> Entry | None:
-    """A stored build, if everything that it was made from is as it was."""
+def recall(cache: Cache, key: str) -> Entry | None:
+    """A stored build whose input files are as they were, or ``None``."""
     data = cache.get(ROOM, key)
     if data is None:
         return None
     try:
         line = data.index(b"\n")
         head = json.loads(data[:line])
-        if not all(_listing(folder, out) == was for folder, was in head["folders"].items()):
-            return None
-        if not all(digest_file(path) == digest for path, digest in head["inputs"].items()):
+        if any(digest_file(path) != digest for path, digest in head["inputs"].items()):
             return None
         files: dict[str, bytes] = {}
         at = line + 1
@@ -110,19 +92,3 @@ def recall(cache: Cache, key: str, out: Path) -> Entry | None:
         return Entry(head["result"], files, head["copies"])
     except (OSError, ValueError, KeyError, TypeError):
         return None
-
-
-def environment() -> dict[str, str]:
-    """The part of the environment that decides where references lead."""
-    return {name: os.environ.get(name, "") for name in ENVIRONMENT}
-
-
-def _listing(folder: str, out: Path) -> str:
-    """A digest of the names in a folder, without OUT and its stages."""
-    try:
-        names = sorted(os.listdir(folder))
-    except OSError:
-        return ""
-    if os.path.realpath(folder) == os.path.realpath(out.parent):
-        names = [n for n in names if n != out.name and not n.startswith(f".{out.name}.")]
-    return hashlib.sha256("\0".join(names).encode("utf-8", "surrogateescape")).hexdigest()

@@ -33,21 +33,20 @@ LOG_TAIL = 4000
 
 @dataclass(frozen=True)
 class LocalExecutor:
-    """Up to ``jobs`` processes at once.
+    """Up to ``jobs`` processes at once; few tasks get several threads each.
 
     Attributes:
-        jobs: processes.
-        threads: threads that one process may use.
+        jobs: processes, and threads in all.
     """
 
     jobs: int
-    threads: int = 1
 
     def run(
         self, tasks: Sequence[Task], *, listener: Listener, cancelled: Cancelled
     ) -> Iterator[tuple[int, Reply]]:
         """See :class:`assetpipe.pipeline.executors.task.Executor`."""
         waiting = list(reversed(range(len(tasks))))
+        threads = max(1, self.jobs // max(1, len(tasks)))
         crew: list[_Process] = []
         try:
             while waiting or any(p.index is not None for p in crew):
@@ -59,7 +58,7 @@ class LocalExecutor:
                     if idle:
                         process = idle.pop()
                     else:
-                        process = _Process.start(self.threads)
+                        process = _Process.start(threads)
                         crew.append(process)
                     index = waiting.pop()
                     process.give(index, tasks[index])

@@ -11,7 +11,7 @@ import types
 import click
 
 import assetpipe
-from assetpipe.errors import AssetpipeError, CancelledError, EngineError
+from assetpipe.errors import AssetpipeError, CancelledError, EngineError, unknown_name
 
 COMMANDS = {
     "build": "Decompose the collision meshes of robots, write a validated package.",
@@ -37,7 +37,7 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import one command."""
         if cmd_name not in COMMANDS:
-            return None
+            raise click.UsageError(unknown_name("command", cmd_name, COMMANDS), ctx)
         module = importlib.import_module(f"assetpipe.cli.{cmd_name}")
         command: click.Command = module.command
         return command
@@ -113,6 +113,9 @@ def _run(arguments: list[str]) -> int:
         return INTERRUPTED
     except _Terminated:
         return TERMINATED
+    except SystemExit as error:
+        # What click makes of a broken pipe; its code 1 would say "findings".
+        raise BrokenPipeError from error
     except BrokenPipeError:
         raise
     except EngineError as error:

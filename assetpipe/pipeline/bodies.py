@@ -1,0 +1,94 @@
+"""Links as bodies of meshes, before and after: what robot-level checks compare."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from assetpipe.errors import AssetpipeError
+from assetpipe.geometry.mesh import Mesh
+from assetpipe.pipeline.config import Source
+from assetpipe.pipeline.outcome import MeshOutcome
+from assetpipe.robot import Box, Capsule, Cylinder, MeshShape, Robot, Shape, Sphere
+from assetpipe.validation import LinkBody
+
+Outcomes = Mapping[tuple[str, int], MeshOutcome]
+"""By link name and element index."""
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """A robot's links before and after.
+
+    Attributes:
+        before: solids, and shapes that were kept.
+        after: hulls, and shapes that were kept.
+        convex: hulls in the link's frame, of links that consist of hulls alone.
+    """
+
+    before: tuple[LinkBody, ...]
+    after: tuple[LinkBody, ...]
+    convex: Mapping[str, tuple[Mesh, ...]]
+
+
+def bodies_of(robot: Robot, outcomes: Outcomes, source: Source) -> Bodies:
+    """The bodies of all links; shapes that cannot be read are left out on both sides."""
+    before: list[LinkBody] = []
+    after: list[LinkBody] = []
+    convex: dict[str, tuple[Mesh, ...]] = {}
+    for link in robot.links:
+        old: list[Mesh] = []
+        new: list[Mesh] = []
+        bound, others = 0.0, 0
+        for element in link.collisions if source == "collision" else link.visuals:
+            outcome = outcomes.get((link.name, element.index))
+            place = element.link_from_shape
+            if outcome is None or outcome.solid is None:
+                kept = kept_mesh(element.shape)
+                others += 1
+                if kept is not None:
+                    old.append(kept.transformed(place))
+                    new.append(kept.transformed(place))
+                continue
+            old.append(outcome.solid.transformed(place))
+            new += [hull.mesh.transformed(place) for hull in outcome.hulls]
+            bound = max([bound, *(hull.thickening[1] for hull in outcome.hulls)])
+        before.append(LinkBody(link.name, tuple(old)))
+        after.append(LinkBody(link.name, tuple(new), bound))
+        if new and not others:
+            convex[link.name] = tuple(new)
+    return Bodies(tuple(before), tuple(after), convex)
+
+
+def kept_mesh(shape: Shape) -> Mesh | None:
+    """A shape that stays as it is, as a mesh; ``None`` if there is nothing to see."""
+    import trimesh
+
+    if isinstance(shape, MeshShape):
+        return _file(shape)
+    if isinstance(shape, Box):
+        made = trimesh.creation.box(shape.size)
+    elif isinstance(shape, Cylinder):
+        made = trimesh.creation.cylinder(shape.radius, shape.length, sections=48)
+    elif isinstance(shape, Sphere):
+        made = trimesh.creation.icosphere(3, shape.radius)
+    elif isinstance(shape, Capsule):
+        made = trimesh.creation.capsule(shape.length, shape.radius, count=[24, 24])
+        made.apply_translation([0.0, 0.0, -float(np.mean(made.bounds[:, 2]))])
+    else:
+        return None
+    mesh = Mesh.of(made)
+    return mesh if len(mesh.faces) and mesh.volume > 0 else None
+
+
+def _file(shape: MeshShape) -> Mesh | None:
+    from assetpipe.geometry.files import read_mesh
+
+    if shape.path is None:
+        return None
+    try:
+        return read_mesh(shape.path).mesh.scaled(np.asarray(shape.scale))
+    except AssetpipeError:
+        return None  # a finding elsewhere already

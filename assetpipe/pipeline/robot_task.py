@@ -1,0 +1,101 @@
+"""One whole robot, before against after: self-collision, and a physics engine.
+
+Runs in a worker process. The answer is JSON: ``{"validation": …, "findings": […]}``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from assetpipe.errors import AssetpipeError
+from assetpipe.findings import Finding, Severity
+from assetpipe.pipeline.bodies import Bodies, bodies_of
+from assetpipe.pipeline.outcome import MeshOutcome
+from assetpipe.pipeline.poses import configurations
+from assetpipe.pipeline.stages import Reporter
+from assetpipe.robot import Robot, forward_kinematics, read_robot
+
+
+def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
+    """Run the checks that are asked for.
+
+    Request keys: ``robot`` and ``built`` (files), ``outcomes`` (link, index, file),
+    ``source``, ``checks``, ``poses``, ``seed``.
+    """
+    robot = read_robot(Path(request["robot"])).robot
+    outcomes = {
+        (str(link), int(index)): MeshOutcome.decode(Path(file).read_bytes())
+        for link, index, file in request["outcomes"]
+    }
+    bodies = bodies_of(robot, outcomes, request["source"])
+    validation: dict[str, Any] = {}
+    findings: list[Finding] = []
+
+    def said() -> bytes:
+        told = [finding.as_dict() for finding in findings]
+        return json.dumps({"validation": validation, "findings": told}).encode()
+
+    for check in request["checks"]:
+        reporter.stage(check)
+        try:
+            if check == "self_collision":
+                _self_collision(robot, bodies, request, validation, findings)
+            elif check == "engine":
+                _engine(bodies, request, validation, findings)
+        except AssetpipeError as error:
+            findings.append(
+                Finding("AP411", Severity.WARNING, f"{check} could not be checked: {error.message}")
+            )
+        reporter.partial(said())
+    return said()
+
+
+def _self_collision(
+    robot: Robot,
+    bodies: Bodies,
+    request: Mapping[str, Any],
+    validation: dict[str, Any],
+    findings: list[Finding],
+) -> None:
+    from assetpipe.validation import adjacent_pairs, self_collisions
+
+    adjacent = adjacent_pairs((j.parent, j.child, j.type) for j in robot.joints)
+    result = self_collisions(
+        bodies.before,
+        bodies.after,
+        (
+            forward_kinematics(robot, positions)
+            for positions in configurations(robot, count=request["poses"], seed=request["seed"])
+        ),
+        excluded=adjacent,
+    )
+    validation["self_collision"] = result.as_dict()
+    findings += result.findings()
+
+
+def _engine(
+    bodies: Bodies,
+    request: Mapping[str, Any],
+    validation: dict[str, Any],
+    findings: list[Finding],
+) -> None:
+    from assetpipe.validation import load_in_engine
+
+    built = Path(request["built"])
+    again = read_robot(built).robot
+    result = load_in_engine(
+        built,
+        {link.name: len(link.collisions) for link in again.links},
+        hulls=bodies.convex,
+        resolved={
+            reference.uri: reference.resolution.path
+            for reference in again.references
+            if reference.resolution.path is not None
+        },
+        seed=request["seed"],
+    )
+    validation["engine"] = result.as_dict()
+    findings += result.findings()
