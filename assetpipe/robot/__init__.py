@@ -1,1 +1,51 @@
-"""See docs/architecture.md."""
+"""Robot descriptions: read, resolve, move, and write with nothing changed but collisions."""
+
+from assetpipe.robot.kinematics import forward_kinematics, home
+from assetpipe.robot.model import (
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Joint,
+    Limit,
+    Link,
+    MeshShape,
+    Mimic,
+    OtherShape,
+    Reference,
+    Robot,
+    Shape,
+    Sphere,
+    Visual,
+)
+from assetpipe.robot.packages import Package
+from assetpipe.robot.reader import ReadRobot, finding_of, read_robot
+from assetpipe.robot.resources import Resolution, Resolver
+from assetpipe.robot.xacro import XacroError
+
+__all__ = [
+    "Box",
+    "Capsule",
+    "Collision",
+    "Cylinder",
+    "Joint",
+    "Limit",
+    "Link",
+    "MeshShape",
+    "Mimic",
+    "OtherShape",
+    "Package",
+    "ReadRobot",
+    "Reference",
+    "Resolution",
+    "Resolver",
+    "Robot",
+    "Shape",
+    "Sphere",
+    "Visual",
+    "XacroError",
+    "finding_of",
+    "forward_kinematics",
+    "home",
+    "read_robot",
+]
