@@ -4,9 +4,11 @@
 //! (`predicates`); every epsilon lives in `tolerance` and scales with the mesh.
 
 pub mod bvh;
+pub mod clip;
 pub mod distance;
 pub mod hull;
 pub mod mesh;
+pub mod planar;
 pub mod plane;
 pub mod predicates;
 pub mod sample;
