@@ -12,11 +12,16 @@ REACH = 10.0
 
 
 def answer(request: dict[str, Any]) -> dict[str, Any]:
-    """Load and, where probes are given, ask distances.
+    """Answer a request: load and ask distances, or simulate a scene.
 
     Args:
-        request: ``urdf`` path; ``probes`` list of ``{link, centre (link frame), radius}``.
+        request: ``task`` "load": ``urdf`` path and ``probes``, a list of ``{link,
+            centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``.
     """
+    if request["task"] == "scene":
+        from assetpipe.validation.dynamics.bullet_scene import simulate
+
+        return simulate(request)
     import pybullet
 
     client = pybullet.connect(pybullet.DIRECT)

@@ -277,6 +277,7 @@ def _attempt(
 
             prepare(copy)
     request = {
+        "task": "load",
         "urdf": str((urdf if as_written else copy).resolve()),
         "probes": [{"link": p.link, "centre": p.centre, "radius": p.radius} for p in probes],
     }

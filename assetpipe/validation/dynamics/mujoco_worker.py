@@ -16,7 +16,8 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
     """Load and, where probes are given, ask distances.
 
     Args:
-        request: ``urdf`` path; ``probes`` list of ``{link, centre (link frame), radius}``.
+        request: ``task`` "load": ``urdf`` path and ``probes``, a list of ``{link,
+            centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``.
     """
     import mujoco
     import numpy as np

@@ -1,0 +1,15 @@
+"""The effect planner: what a scene needs simulated, and why."""
+
+from assetpipe.validation.effects.plan import EFFECTS, METHODS, Effect, Plan, Role, Setting
+from assetpipe.validation.effects.planner import everything_on, plan
+
+__all__ = [
+    "EFFECTS",
+    "METHODS",
+    "Effect",
+    "Plan",
+    "Role",
+    "Setting",
+    "everything_on",
+    "plan",
+]

@@ -1,0 +1,84 @@
+"""Time step and solver iterations: from speeds, sizes and masses, not by habit."""
+
+from __future__ import annotations
+
+import math
+
+from assetpipe.validation.effects.physics import Physics
+from assetpipe.validation.effects.plan import Setting
+
+COARSEST = 1.0 / 120.0
+"""Seconds; coarser steps make contact solvers soft."""
+FINEST = 1.0 / 2000.0
+"""Seconds; below that continuous collision is cheaper than smaller steps."""
+
+
+def time_step(physics: Physics) -> tuple[Setting, float]:
+    """The largest step that is small enough, and how far the fastest point goes in it.
+
+    Three bounds: what gravity adds in one step must sink less than a tenth of the
+    limit, g·h² ≤ limit/10; the fastest point should not pass the thinnest part, v·h ≤
+    width; a driven joint must not turn more than a twentieth of a radian, ω·h ≤ 0.05.
+    """
+    motion = physics.motion
+    bounds = [(COARSEST, "no faster process asks for less than 1/120 s")]
+    gravity = motion.scene.drive.gravity
+    if gravity and (physics.free or physics.joints):
+        # No asked precision is finer than a tenth of a millimetre in an engine.
+        allowed = max(0.1 * physics.limit, 1e-4)
+        bounds.append(
+            (
+                math.sqrt(allowed / gravity),
+                f"gravity sinks {allowed * 1000:.3g} mm in it, a tenth of the limit",
+            )
+        )
+    thin = physics.thinnest
+    if thin is not None and physics.speed > 0.0:
+        width, (asset, link) = thin
+        safe = width / physics.speed
+        if safe >= FINEST:
+            bounds.append(
+                (
+                    safe,
+                    f"{physics.speed:.3g} m/s must not pass {width * 1000:.3g} mm of "
+                    f"'{asset}/{link}' in it",
+                )
+            )
+    for asset_, joint in physics.joints:
+        rate = motion.joint_speed(asset_, joint) if joint.kind != "prismatic" else 0.0
+        if rate > 0.0:
+            bounds.append((0.05 / rate, f"joint '{joint.name}' turns 0.05 rad in it"))
+    wanted, reason = min(bounds)
+    step = 1.0 / math.ceil(1.0 / max(wanted, FINEST) - 1e-9)
+    return Setting(step, reason), physics.speed * step
+
+
+def iterations(physics: Physics) -> Setting:
+    """Iterations of a projected Gauss-Seidel contact solver.
+
+    Contact forces travel one body an iteration and shrink by the mass ratio, so the
+    number grows with the longest stack or chain and the square root of that ratio.
+    """
+    free = len(physics.free)
+    chain = max(
+        (
+            sum(physics.motion.active(a, j) for j in a.chain(link.name))
+            for a in physics.motion.assets.values()
+            for link in a.links
+        ),
+        default=0,
+    )
+    masses = [
+        link.inertial.mass
+        for a in physics.motion.assets.values()
+        for link in a.links
+        if link.inertial is not None
+        and physics.motion.moves((a.name, link.name))
+        and link.inertial.mass > 0.0
+    ]
+    ratio = max(masses) / min(masses) if masses else 1.0
+    depth = max(1, free + chain)
+    count = min(200, math.ceil(10 + 5 * depth * math.sqrt(min(ratio, 100.0))))
+    return Setting(
+        float(count), f"{free} free bodies, joint chain of {chain}, mass ratio {ratio:.3g}"
+    )

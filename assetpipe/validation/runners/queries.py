@@ -1,0 +1,221 @@
+"""Answer a planned question with queries alone: distance, contact, sweep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assetpipe.geometry.mesh import FloatArray
+from assetpipe.validation.runners.world import QueryWorld, key
+from assetpipe.validation.scenes.assets import SceneAsset, matrix_of
+
+if TYPE_CHECKING:
+    from assetpipe.validation.effects.plan import Plan, Ref
+    from assetpipe.validation.scenes.schema import PathDrive, Scene
+
+TOUCHING = 1e-6
+"""Metres below which a sweep counts as contact."""
+LEAST_ADVANCE = 1e-4
+"""Share of the sweep by which it advances at least, so that grazing ends."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run measured.
+
+    Attributes:
+        answer: yes or no; ``None`` where the question only measures.
+        measure: the number behind it.
+        unit: of the measure.
+        evidence: what else was seen, JSON-ready.
+    """
+
+    answer: bool | None
+    measure: float
+    unit: str
+    evidence: Mapping[str, Any]
+
+
+def run_queries(scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan) -> Measured:
+    """Answer a plan whose method is ``nothing``, ``distance``, ``contact`` or ``sweep``."""
+    if plan.method == "nothing":
+        return Measured(scene.question != "open", 0.0, "m", {"moved": 0.0})
+    world = QueryWorld(assets, {ref for pair in plan.pairs for ref in pair})
+    if scene.question == "self_collision":
+        return _self_collision(scene, assets, plan, world)
+    if plan.method in ("distance", "contact"):
+        return _still(scene, plan, world)
+    return _sweep(scene, assets, plan, world)
+
+
+def _still(scene: Scene, plan: Plan, world: QueryWorld) -> Measured:
+    world.place()
+    if plan.method == "contact":
+        touching = [f"{key(a)} - {key(b)}" for a, b in plan.pairs if world.touch(a, b)]
+        return Measured(bool(touching), float(len(touching)), "pairs", {"touching": touching})
+    gaps = {(a, b): world.gap(a, b) for a, b in plan.pairs}
+    return _clearance(scene, gaps)
+
+
+def _clearance(scene: Scene, gaps: Mapping[tuple[Ref, Ref], float]) -> Measured:
+    if not gaps:
+        return Measured(None, math.inf, "m", {})
+    (a, b), least = min(gaps.items(), key=lambda item: item[1])
+    answer = None if scene.limit is None else least >= scene.limit
+    return Measured(answer, least, "m", {"nearest": [key(a), key(b)]})
+
+
+def _self_collision(
+    scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan, world: QueryWorld
+) -> Measured:
+    asset = assets[str(scene.subject)]
+    sampling = scene.sampling
+    drawn = asset.configurations(
+        sampling.configurations if sampling else 0, sampling.seed if sampling else 0
+    )
+    counts: dict[str, int] = {}
+    colliding, at_start = 0, []
+    for index, positions in enumerate(drawn):
+        world.place({asset.name: positions})
+        touching = [f"{a[1]} - {b[1]}" for a, b in plan.pairs if world.touch(a, b)]
+        for name in touching:
+            counts[name] = counts.get(name, 0) + 1
+        colliding += bool(touching)
+        if index == 0:
+            at_start = touching
+    share = colliding / len(drawn)
+    return Measured(
+        bool(at_start),
+        share,
+        "share of configurations",
+        {"configurations": len(drawn), "at_start": at_start, "pairs": dict(sorted(counts.items()))},
+    )
+
+
+# -- sweeps -------------------------------------------------------------------
+
+
+def base_on_path(asset: SceneAsset, path: PathDrive, time: float) -> FloatArray:
+    """World-from-base (4, 4) of the asset on the path, straight between waypoints."""
+    before_xyz: FloatArray = np.zeros(3)
+    before_rpy: FloatArray = np.zeros(3)
+    since = 0.0
+    for point in path.waypoints:
+        xyz, rpy = np.asarray(point.xyz), np.asarray(point.rpy)
+        if time <= point.at:
+            share = (time - since) / (point.at - since)
+            between = matrix_of(
+                (before_xyz + share * (xyz - before_xyz)).tolist(),
+                (before_rpy + share * (rpy - before_rpy)).tolist(),
+            )
+            moved: FloatArray = np.matmul(asset.world_from_base, between)
+            return moved
+        before_xyz, before_rpy, since = xyz, rpy, point.at
+    last: FloatArray = asset.world_from_base.dot(
+        matrix_of(before_xyz.tolist(), before_rpy.tolist())
+    )
+    return last
+
+
+def joints_on_trajectory(scene: Scene, time: float) -> dict[str, float]:
+    """Joint positions of the trajectory at a time, straight between its points."""
+    trajectory = scene.drive.trajectory
+    if trajectory is None:
+        return {}
+    positions = {}
+    for name, values in trajectory.joints.items():
+        at = min(max(time / trajectory.seconds, 0.0), 1.0) * (len(values) - 1)
+        positions[name] = float(np.interp(at, np.arange(len(values)), values))
+    return positions
+
+
+def _sweep(
+    scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan, world: QueryWorld
+) -> Measured:
+    """Conservative advancement (Mirtich & Canny 1995) over the given motion.
+
+    With d the least separation and v a bound of the closing speed, nothing can touch
+    before d/v has passed; so that much is skipped, and contact is never jumped over.
+    """
+    from assetpipe.validation.effects.motion import Motion
+
+    motion = Motion(scene, assets)
+    speeds = {pair: motion.speed(pair[0]) + motion.speed(pair[1]) for pair in plan.pairs}
+    path, trajectory = scene.drive.path, scene.drive.trajectory
+
+    def place(time: float) -> None:
+        bases = {path.asset: base_on_path(assets[path.asset], path, time)} if path else {}
+        joints = {trajectory.asset: joints_on_trajectory(scene, time)} if trajectory else {}
+        world.place(joints, bases)
+
+    # A clearance is wanted to a tenth of its tolerance, contact only to the touch.
+    fine = 0.1 * scene.expect.tolerance if scene.question == "clearance" else math.inf
+    found = _advance(place, world, plan, speeds, fine)
+    if scene.question == "clearance":
+        answer = None if scene.limit is None else found.least >= scene.limit
+        return Measured(answer, found.least, "m", found.evidence)
+    if scene.question == "contact":
+        return Measured(found.touched is not None, found.least, "m", found.evidence)
+    return Measured(found.touched is None, found.least, "m", found.evidence)
+
+
+@dataclass(frozen=True)
+class _Swept:
+    touched: tuple[Ref, Ref] | None
+    least: float
+    evidence: Mapping[str, Any]
+
+
+def _advance(
+    place: Callable[[float], None],
+    world: QueryWorld,
+    plan: Plan,
+    speeds: Mapping[tuple[Ref, Ref], float],
+    fine: float,
+) -> _Swept:
+    time, least, nearest, asked = 0.0, math.inf, None, 0
+    # For every pair the time before which it cannot touch or beat the least gap.
+    due = dict.fromkeys(plan.pairs, 0.0)
+    while due:
+        place(time)
+        for pair in [p for p, when in due.items() if when <= time]:
+            gap = world.gap(*pair)
+            asked += 1
+            if gap < least:
+                least, nearest = gap, pair
+            if gap <= TOUCHING:
+                return _Swept(
+                    pair,
+                    0.0,
+                    {
+                        "touched": [key(pair[0]), key(pair[1])],
+                        "at": time,
+                        "of": plan.seconds,
+                        "queries": asked,
+                    },
+                )
+            pause = gap / speeds[pair] if speeds[pair] > 0.0 else math.inf
+            if math.isfinite(fine) and speeds[pair] > 0.0:
+                # It may come no nearer than the least before gap - least is used up.
+                pause = max(gap - least, fine) / speeds[pair]
+            due[pair] = time + max(pause, LEAST_ADVANCE * plan.seconds)
+        if time >= plan.seconds:
+            break
+        time = min(*due.values(), plan.seconds)
+    told = [key(nearest[0]), key(nearest[1])] if nearest else None
+    least = least if math.isfinite(least) else -1.0
+    return _Swept(
+        None,
+        least,
+        {
+            "touched": None,
+            "nearest": told,
+            "at": plan.seconds,
+            "of": plan.seconds,
+            "queries": asked,
+        },
+    )
