@@ -21,6 +21,7 @@ from assetpipe.robot.model import (
 from assetpipe.robot.packages import Package
 from assetpipe.robot.reader import ReadRobot, finding_of, read_robot
 from assetpipe.robot.resources import Resolution, Resolver
+from assetpipe.robot.writer import HullMesh, NewCollision, NewShape, write_urdf
 from assetpipe.robot.xacro import XacroError
 
 __all__ = [
@@ -28,11 +29,14 @@ __all__ = [
     "Capsule",
     "Collision",
     "Cylinder",
+    "HullMesh",
     "Joint",
     "Limit",
     "Link",
     "MeshShape",
     "Mimic",
+    "NewCollision",
+    "NewShape",
     "OtherShape",
     "Package",
     "ReadRobot",
@@ -48,4 +52,5 @@ __all__ = [
     "forward_kinematics",
     "home",
     "read_robot",
+    "write_urdf",
 ]

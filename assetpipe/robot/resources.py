@@ -240,8 +240,13 @@ class Lookup:
         return self._relative(uri, text)
 
     def package_root(self, name: str) -> Path | None:
-        """The folder of a package by its name alone, as ``$(find name)`` asks for."""
-        return next((root for root, _ in self._roots(name, "package://")), None)
+        """The folder of a package by its name alone, as ``$(find name)`` asks for.
+
+        A name that is found nowhere stands for the description's own package where that
+        declares none.
+        """
+        found = next((root for root, _ in self._roots(name, "package://")), None)
+        return self.home if found is None and self.package is None else found
 
     def allows(self, path: Path) -> bool:
         """Whether a file may be read: it lies in a known package or an allowed root."""

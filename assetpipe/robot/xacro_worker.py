@@ -63,20 +63,17 @@ def _answer(request: Mapping[str, Any]) -> dict[str, Any]:
 def _told(error: Exception, files: list[str | None] | None) -> dict[str, Any]:
     """The error, in the file that xacro was in."""
     cause = getattr(error, "exc", None)
-    line = None
-    for found in (error, cause):
-        if isinstance(found, expat.ExpatError):
-            line = found.lineno
-        if isinstance(found, AssetpipeError):
-            line = found.location.line if found.location else None
-            return {"error": found.message, "file": _file_of(found), "line": line}
+    while cause is not None and not isinstance(error, _Refused):
+        error, cause = cause, getattr(cause, "exc", None)
     message = " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, AssetpipeError) and error.location is not None:
+        return {
+            "error": error.message,
+            "file": str(error.location.file),
+            "line": error.location.line,
+        }
     where = files[-1] if files else None
-    return {"error": message[:500], "file": str(where) if where else None, "line": line}
-
-
-def _file_of(error: AssetpipeError) -> str | None:
-    return str(error.location.file) if error.location else None
+    return {"error": message[:500], "file": str(where) if where else None}
 
 
 def _limit(memory: int, seconds: float) -> None:
@@ -158,7 +155,9 @@ class _Guard:
 
     def _may_read(self, filename: str) -> Path:
         path = Path(os.path.abspath(filename))
-        if not self._lookup.allows(path):
+        real = path.resolve()
+        found = any(real.is_relative_to(root.resolve()) for root in self._found.values())
+        if not (found or self._lookup.allows(path)):
             raise _Refused(f"'{filename}' lies outside of the package: refused")
         self.read.append(str(path))
         return path
