@@ -55,7 +55,7 @@ def command(inputs: tuple[Path, ...], out: Path, **given: Any) -> int:
             cache=options.cache_from(given),
             cluster=given["cluster"],
             shard=given["shard"],
-            mode="check" if given["check"] else "write",
+            mode="compare" if given["check"] else "write",
             on_progress=listener,
         )
     deliver(result, given, stream=sys.stdout)

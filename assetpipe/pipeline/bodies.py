@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from assetpipe.errors import AssetpipeError
 from assetpipe.geometry.mesh import Mesh
-from assetpipe.pipeline.config import Source
 from assetpipe.pipeline.outcome import MeshOutcome
 from assetpipe.robot import Box, Capsule, Cylinder, MeshShape, Robot, Shape, Sphere
 from assetpipe.validation import LinkBody
@@ -33,8 +32,14 @@ class Bodies:
     convex: Mapping[str, tuple[Mesh, ...]]
 
 
-def bodies_of(robot: Robot, outcomes: Outcomes, source: Source) -> Bodies:
-    """The bodies of all links; shapes that cannot be read are left out on both sides."""
+def bodies_of(robot: Robot, outcomes: Outcomes, visual_links: Collection[str]) -> Bodies:
+    """The bodies of all links; shapes that cannot be read are left out on both sides.
+
+    Args:
+        robot: as read.
+        outcomes: of its meshes.
+        visual_links: links whose visual elements stand in for their collision elements.
+    """
     before: list[LinkBody] = []
     after: list[LinkBody] = []
     convex: dict[str, tuple[Mesh, ...]] = {}
@@ -42,7 +47,7 @@ def bodies_of(robot: Robot, outcomes: Outcomes, source: Source) -> Bodies:
         old: list[Mesh] = []
         new: list[Mesh] = []
         bound, others = 0.0, 0
-        for element in link.collisions if source == "collision" else link.visuals:
+        for element in link.visuals if link.name in visual_links else link.collisions:
             outcome = outcomes.get((link.name, element.index))
             place = element.link_from_shape
             if outcome is None or outcome.solid is None:

@@ -15,6 +15,7 @@ import os
 import secrets
 import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,6 +107,13 @@ def staged(out: Path) -> Iterator[Stage]:
         yield Stage(out, folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def scratch(out: Path) -> Iterator[Stage]:
+    """A stage that is never committed, far from OUT."""
+    with tempfile.TemporaryDirectory(prefix="assetpipe-check-") as folder:
+        yield Stage(Path(os.path.abspath(out)).resolve(), Path(folder))
 
 
 def refuse_foreign(out: Path) -> None:

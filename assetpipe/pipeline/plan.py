@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from assetpipe.pipeline.config import Config, LinkSettings
 from assetpipe.pipeline.identity import code_stamp, digest_of, versions
-from assetpipe.robot import Collision, MeshShape, Robot
+from assetpipe.robot import Collision, MeshShape, Robot, Visual
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def make_plan(robots: Sequence[Robot], config: Config, digest: Callable[[Path], 
 
 
 def _job(
-    element: Collision,
+    element: Collision | Visual,
     shape: MeshShape,
     config: Config,
     settings: LinkSettings,

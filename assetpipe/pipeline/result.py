@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -106,6 +106,7 @@ class MeshResult:
         links: that use it.
         treatment: what became of it.
         facts: JSON-ready; see :class:`assetpipe.pipeline.outcome.MeshOutcome`.
+        key: content address of the outcome; says nothing to others.
         seconds: it took in this run; ``None`` if it came from the cache.
     """
 
@@ -115,6 +116,7 @@ class MeshResult:
     links: tuple[str, ...]
     treatment: Treatment
     facts: Mapping[str, Any]
+    key: str = ""
     seconds: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
@@ -127,6 +129,21 @@ class MeshResult:
             "treatment": self.treatment,
             **{key: self.facts[key] for key in sorted(self.facts)},
         }
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any], key: str) -> MeshResult:
+        """From :meth:`as_dict`."""
+        own = ("name", "digest", "scale", "links", "treatment")
+        x, y, z = data["scale"]
+        return cls(
+            data["name"],
+            data["digest"],
+            (x, y, z),
+            tuple(data["links"]),
+            data["treatment"],
+            {name: value for name, value in data.items() if name not in own},
+            key,
+        )
 
 
 @dataclass(frozen=True)
@@ -162,7 +179,8 @@ class RobotResult:
     Attributes:
         name: of the robot.
         source: the input file.
-        urdf: the written file, relative to OUT; ``None`` for a bare mesh.
+        urdf: the written file, relative to the folder of the package, or to OUT in a
+            build's result; ``None`` for a bare mesh.
         links: by name.
         meshes: distinct meshes, in order of first use.
         findings: about this robot.
@@ -191,6 +209,45 @@ class RobotResult:
             "validation": dict(self.validation),
             "findings": [finding.as_dict() for finding in self.findings],
         }
+
+    @classmethod
+    def of(
+        cls, data: Mapping[str, Any], keys: Sequence[str], load: Callable[[int], MeshOutcome]
+    ) -> RobotResult:
+        """From :meth:`as_dict`, the meshes' keys, and what loads their outcomes."""
+        return cls(
+            data["name"],
+            Path(data["source"]),
+            data["urdf"],
+            {
+                name: LinkResult(name, tuple(CollisionResult.of(e) for e in elements), load)
+                for name, elements in data["links"].items()
+            },
+            tuple(MeshResult.of(m, k) for m, k in zip(data["meshes"], keys, strict=True)),
+            tuple(finding_of(finding) for finding in data["findings"]),
+            data["validation"],
+        )
+
+    def below(self, prefix: str) -> RobotResult:
+        """The same with all files told relative to a folder further up.
+
+        Args:
+            prefix: the way from there; empty, or ending in ``/``.
+        """
+        if not prefix:
+            return self
+        links = {
+            name: replace(
+                link,
+                collisions=tuple(
+                    replace(e, files=tuple(prefix + file for file in e.files))
+                    for e in link.collisions
+                ),
+            )
+            for name, link in self.links.items()
+        }
+        urdf = None if self.urdf is None else prefix + self.urdf
+        return replace(self, urdf=urdf, links=links)
 
 
 @dataclass(frozen=True)

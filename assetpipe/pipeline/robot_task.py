@@ -23,14 +23,14 @@ def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
     """Run the checks that are asked for.
 
     Request keys: ``robot`` and ``built`` (files), ``outcomes`` (link, index, file),
-    ``source``, ``checks``, ``poses``, ``seed``.
+    ``visual_links``, ``checks``, ``poses``, ``seed``.
     """
     robot = read_robot(Path(request["robot"])).robot
     outcomes = {
         (str(link), int(index)): MeshOutcome.decode(Path(file).read_bytes())
         for link, index, file in request["outcomes"]
     }
-    bodies = bodies_of(robot, outcomes, request["source"])
+    bodies = bodies_of(robot, outcomes, set(request["visual_links"]))
     validation: dict[str, Any] = {}
     findings: list[Finding] = []
 

@@ -48,7 +48,7 @@ def run_jobs(
     for index, job in enumerate(jobs):
         if cancelled():
             raise CancelledError("cancelled; nothing was written")
-        stored = _stored(cache, job.key)
+        stored = load_outcome(cache, job.key)
         if stored is not None:
             done[index] = Done(stored, None)
             on_progress(Progress("done", job.name, len(done), len(jobs), 1.0))
@@ -73,7 +73,8 @@ def run_jobs(
     return tuple(done[index] for index in range(len(jobs)))
 
 
-def _stored(cache: Cache, key: str) -> MeshOutcome | None:
+def load_outcome(cache: Cache, key: str) -> MeshOutcome | None:
+    """An outcome from the cache, or ``None``."""
     data = cache.get(ROOM, key)
     if data is None:
         return None
