@@ -11,7 +11,9 @@ pub mod mesh;
 pub mod planar;
 pub mod plane;
 pub mod predicates;
+pub mod properties;
 pub mod sample;
+pub mod tolerance;
 
 pub use glam::DVec3;
 pub use mesh::Mesh;

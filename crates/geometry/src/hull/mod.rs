@@ -5,10 +5,12 @@ mod quickhull;
 mod simplex;
 #[cfg(test)]
 mod tests;
+mod validate;
 
 use glam::DVec3;
 
 pub use quickhull::Builder;
+pub use validate::{check_convex, ConvexityDefect};
 
 use crate::mesh::Mesh;
 

@@ -1,6 +1,10 @@
 //! Seeded sampling: the same seed gives the same points on every machine.
 
+mod surface;
+
 use glam::DVec3;
+
+pub use surface::{surface, SurfacePoint};
 
 /// The generator `xorshift64*` (Vigna, *An experimental exploration of
 /// Marsaglia's xorshift generators, scrambled*, 2016), seeded by `SplitMix64`.

@@ -1,6 +1,11 @@
 //! Triangle meshes as plain values.
 
+mod validate;
+
 use glam::DVec3;
+
+pub(crate) use validate::edges;
+pub use validate::{check_closed, check_indices, check_manifold, MeshDefect};
 
 /// A triangle mesh: vertices in one frame and one unit, triangles wound
 /// counter-clockwise seen from outside. Closed 2-manifold where a function
@@ -17,5 +22,12 @@ impl Mesh {
     /// The corners of triangle `t`.
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|v| self.vertices[v as usize])
+    }
+
+    /// The corners of all triangles, in order.
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = [DVec3; 3]> + '_ {
+        self.triangles
+            .iter()
+            .map(|t| t.map(|v| self.vertices[v as usize]))
     }
 }
