@@ -67,12 +67,11 @@ def compute(
             for finished, proof in zip(drafts, proofs, strict=True):
                 target = by_source[finished.read.source]
                 robot, outputs, inputs = conclude(finished, proof, batch.config)
-                changed = batch.settle(finished.stage)
                 key = prints[target]
                 if key is not None and remembered(finished):
-                    remember(
-                        batch.cache, key, robot, finished.stage, outputs=outputs, inputs=inputs
-                    )
+                    stage = finished.stage
+                    remember(batch.cache, key, robot, stage, outputs=outputs, inputs=inputs)
+                changed = batch.settle(finished.stage)
                 results[target] = Built(target, robot, changed)
     return results, lost
 

@@ -44,14 +44,14 @@ def result_of(draft: Draft, proof: Proof) -> RobotResult:
     places = {job: place for place, (job, _) in enumerate(draft.meshes)}
     links: dict[str, list[CollisionResult]] = {link.name: [] for link in draft.robot.links}
     for element in draft.elements:
-        decomposed = element.treatment == "decomposed" and element.job is not None
+        decomposed = element.treatment == "decomposed"
         links[element.link].append(
             CollisionResult(
                 element.index,
                 element.name,
                 element.treatment,
                 places.get(element.job) if element.job is not None else None,
-                draft.files[element.job] if decomposed and element.job is not None else (),
+                draft.files[element.kind, element.link, element.index] if decomposed else (),
                 tuple(tuple(float(v) for v in row) for row in element.link_from_shape),
             )
         )
@@ -61,7 +61,7 @@ def result_of(draft: Draft, proof: Proof) -> RobotResult:
     findings += located(
         draft.robot, draft.number, [draft.jobs[job] for job, _ in draft.meshes], outcomes
     )
-    findings += proof.findings
+    findings += [*draft.findings, *proof.findings]
     return RobotResult(
         name=draft.robot.name,
         source=draft.robot.path,

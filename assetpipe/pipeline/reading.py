@@ -58,4 +58,13 @@ def bare_mesh(source: Source) -> Robot:
     name = source.path.stem
     shape = MeshShape(source.path.name, source.path, (1.0, 1.0, 1.0))
     element = Collision(name, 0, None, locked(np.eye(4)), shape, 0)
-    return Robot(name, source.path, b"", (Link(name, (element,), (), 0),), (), None, ())
+    return Robot(
+        name=name,
+        path=source.path,
+        source=b"",
+        links=(Link(name, (element,), (), 0),),
+        joints=(),
+        package=None,
+        home=source.path.parent,
+        references=(),
+    )
