@@ -183,3 +183,10 @@ def face_areas(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Float
     normals = np.cross(b - a, c - a)
     areas: FloatArray = np.linalg.norm(normals, axis=1) / 2.0
     return areas, normals
+
+
+def groups(label: IntArray, number: int) -> list[IntArray]:
+    """The indices with each label."""
+    order = np.argsort(label, kind="stable")
+    bounds = np.searchsorted(label[order], np.arange(number + 1))
+    return [order[bounds[k] : bounds[k + 1]] for k in range(number)]

@@ -2,52 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from time import process_time
 
 import numpy as np
 
-from assetpipe.errors import MeshError
+from assetpipe.errors import LimitError, MeshError
 from assetpipe.findings import Finding, Severity
-from assetpipe.geometry.health.topology import Edges, face_components
+from assetpipe.geometry.health.topology import Edges, face_areas, face_components
 from assetpipe.geometry.health.weld import degenerate, referenced
-from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
+from assetpipe.geometry.mesh import Mesh
 from assetpipe.geometry.repair.check import defect
-from assetpipe.geometry.repair.clean import drop_duplicates, weld_exactly
-from assetpipe.geometry.repair.deviation import deviation
+from assetpipe.geometry.repair.clean import weld_exactly
+from assetpipe.geometry.repair.complete import (
+    RESOLUTION,
+    buried,
+    filled,
+    flattened,
+    thickened,
+    wrapped,
+)
+from assetpipe.geometry.repair.deviation import farthest, quantile
 from assetpipe.geometry.repair.frame import Frame
-from assetpipe.geometry.repair.holes import Opening, cap, openings
-from assetpipe.geometry.repair.orient import wind_consistently
 from assetpipe.geometry.repair.policy import RepairLimits, RepairPolicy
+from assetpipe.geometry.repair.prepare import (
+    balanced,
+    deduplicated,
+    stitched,
+    taken_apart,
+    wound,
+)
 from assetpipe.geometry.repair.result import Deviation, Repaired, Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
-from assetpipe.geometry.repair.unite import nest, put_together, shells_of, unite
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A mesh on its way up, in units of the frame, and what has been done to it."""
-
-    vertices: FloatArray
-    faces: IntArray
-    steps: tuple[Step, ...] = ()
-    findings: tuple[Finding, ...] = ()
-
-    def after(
-        self,
-        vertices: FloatArray,
-        faces: IntArray,
-        *steps: Step,
-        findings: tuple[Finding, ...] = (),
-    ) -> State:
-        """The next state."""
-        return replace(
-            self,
-            vertices=vertices,
-            faces=faces,
-            steps=self.steps + steps,
-            findings=self.findings + findings,
-        )
+from assetpipe.geometry.repair.surface import Surface
+from assetpipe.geometry.repair.unite import unite
+from assetpipe.geometry.repair.work import Job, Work
 
 
 def repair(
@@ -76,171 +64,187 @@ def repair(
     if len(mesh.faces) > limits.faces:
         message = f"{len(mesh.faces)} faces; repair takes at most {limits.faces}"
         return Repaired(None, findings=(Finding("AP206", Severity.ERROR, message),))
-    if mesh.diagonal <= 0.0:
-        return Repaired(None, findings=(Finding("AP204", Severity.ERROR, "all vertices coincide"),))
     why = defect(mesh.vertices, mesh.faces)
     if policy.mode == "off":
-        if why is None:
-            return Repaired(mesh)
-        return Repaired(None, findings=(_no_solid(why, "repair is off"),))
-    if why is None and _single(mesh.faces, len(mesh.vertices)):
+        return Repaired(mesh) if why is None else _refused(why, hint="repair is off")
+    if why is None and _single(mesh):
         return Repaired(mesh)
-    return _climb(mesh, policy, limits)
+    try:
+        return _climb(mesh, policy, limits)
+    except LimitError as error:
+        return Repaired(None, findings=(Finding("AP206", Severity.ERROR, error.message),))
 
 
-def _single(faces: IntArray, vertices: int) -> bool:
-    return face_components(Edges.of(faces, vertices))[0] == 1
+def _single(mesh: Mesh) -> bool:
+    return face_components(Edges.of(mesh.faces, len(mesh.vertices)))[0] == 1
 
 
-def _no_solid(why: str, hint: str | None = None) -> Finding:
-    return Finding("AP202", Severity.ERROR, f"the mesh is no solid: {why}", hint=hint)
+def _refused(why: str, work: Work | None = None, hint: str | None = None) -> Repaired:
+    finding = Finding("AP202", Severity.ERROR, f"the mesh is no solid: {why}", hint=hint)
+    if work is None:
+        return Repaired(None, findings=(finding,))
+    return Repaired(None, work.steps, findings=(*work.findings, finding), notes=work.notes)
 
 
 def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
-    state = cleaned(State(mesh.vertices, mesh.faces))
-    if not len(state.faces):
-        finding = Finding("AP204", Severity.ERROR, "every face is degenerate or cancels another")
-        return Repaired(None, state.steps, findings=(finding,))
-    state = wound(state)
-    state = taken_apart(state)
-    if policy.mode == "auto":
-        state = filled(state, policy, mesh)
-    if len(Edges.of(state.faces, len(state.vertices)).boundary):
-        why = "it has openings that are not small"
-        return Repaired(None, state.steps, findings=(*state.findings, _no_solid(why)))
-    united = made_one(state, policy)
-    if isinstance(united, str):
-        return Repaired(None, state.steps, findings=(*state.findings, _no_solid(united)))
-    state, kept, dropped = united
-    still = defect(state.vertices, state.faces)
-    if still is not None:
-        return Repaired(None, state.steps, findings=(*state.findings, _no_solid(still)))
-    solid = Mesh(state.vertices, state.faces)
-    measured = _measured(mesh, solid, state.steps)
-    return Repaired(solid, state.steps, measured, state.findings, kept, dropped)
-
-
-def _measured(mesh: Mesh, solid: Mesh, steps: tuple[Step, ...]) -> Deviation:
-    """Zero if no step moved anything; else what branch and bound finds."""
-    if all(step.moved == 0.0 for step in steps):
-        return Deviation()
-    faces = np.delete(mesh.faces, degenerate(mesh.faces), axis=0)
-    return deviation((mesh.vertices, faces), (solid.vertices, solid.faces))
-
-
-def cleaned(state: State) -> State:
-    """Rung 1: weld exactly, drop degenerate and duplicate faces."""
     clock = process_time()
-    weld = weld_exactly(state.vertices, state.faces)
-    unique = drop_duplicates(weld.vertices, weld.faces)
-    steps = []
+    weld = weld_exactly(mesh.vertices, mesh.faces)
+    steps: tuple[Step, ...] = ()
     if weld.welded or weld.degenerate:
         what = (
-            f"joined {weld.welded} coinciding vertices, dropped {weld.degenerate} faces with them"
+            f"joined {weld.welded} coinciding vertices, dropped {weld.degenerate} faces"
         )
-        steps.append(Step(Rung.WELD, what, seconds=process_time() - clock))
-    if unique.duplicate:
-        steps.append(Step(Rung.CLEAN, f"dropped {unique.duplicate} duplicate faces"))
-    return state.after(unique.vertices, unique.faces, *steps)
-
-
-def wound(state: State) -> State:
-    """Rung: neighbouring faces wind the same way."""
-    clock = process_time()
-    faces, flipped, one_sided = wind_consistently(state.vertices, state.faces)
-    if not flipped:
-        return state
-    what = f"turned {flipped} faces to agree with their neighbours"
-    if one_sided:
-        what += f"; {one_sided} patches are one-sided"
-    return state.after(
-        state.vertices, faces, Step(Rung.ORIENT, what, seconds=process_time() - clock)
+        steps = (Step(Rung.WELD, what, seconds=process_time() - clock),)
+    if not len(weld.faces) or not face_areas(weld.vertices, weld.faces)[0].any():
+        finding = Finding("AP204", Severity.ERROR, "all faces are degenerate: there is no surface")
+        return Repaired(None, steps, findings=(finding,))
+    if steps and defect(weld.vertices, weld.faces) is None:
+        welded = Mesh(weld.vertices, weld.faces)
+        if _single(welded):
+            return Repaired(welded, steps)
+    frame = Frame.around(weld.vertices)
+    units = frame.inward(weld.vertices)
+    job = Job(
+        mesh,
+        frame,
+        Surface(units, weld.faces),
+        policy,
+        limits,
+        policy.budget_on(mesh) / frame.scale,
+        policy.thickness_on(mesh) / frame.scale,
+        clock + limits.seconds,
     )
+    work = Work(units, weld.faces, steps=steps)
+    if not balanced(work):
+        work = wound(work, job)
+    if not balanced(work):
+        work = deduplicated(work, job)
+    if not balanced(work) and policy.mode == "auto":
+        work = wound(stitched(work, job), job)
+        job.check_time()
+    work = taken_apart(work, job)
+    work = flattened(work, job)
+    if work.patches:
+        if policy.mode == "strict":
+            return _refused(_open(work, job), work, "strict repair closes no openings")
+        work = _closed(work, job)
+        if work.patches:
+            return _refused(_open(work, job), work)
+    job.check_time()
+    return _finished(work, job)
 
 
-def taken_apart(state: State) -> State:
-    """Rung: no edge with more than two faces, no vertex with several umbrellas."""
+def _closed(work: Work, job: Job) -> Work:
+    """The rungs for open pieces, one after the other."""
+    work = filled(work, job)
+    work = buried(work, job)
+    if not work.patches or job.policy.openings == "refuse":
+        return work
+    if job.policy.openings != "sheet":
+        work = wrapped(work, job)
+        job.check_time()
+    work = buried(work, job)
+    return thickened(work, job)
+
+
+def _open(work: Work, job: Job) -> str:
+    edges = sum(len(Edges.of(patch.faces, len(patch.vertices)).boundary) for patch in work.patches)
+    return f"{len(work.patches)} of its pieces are open, at {edges} edges"
+
+
+def _finished(work: Work, job: Job) -> Repaired:
+    """One solid of all closed pieces, checked and measured."""
     clock = process_time()
-    vertices, faces, added = split_nonmanifold(state.vertices, state.faces)
-    if not added:
-        return state
-    what = f"split non-manifold edges and vertices ({added} vertices copied)"
-    return state.after(vertices, faces, Step(Rung.SPLIT, what, seconds=process_time() - clock))
-
-
-def filled(state: State, policy: RepairPolicy, mesh: Mesh) -> State:
-    """Rung: caps over openings."""
-    clock = process_time()
-    frame = Frame.around(mesh.vertices)
-    units = frame.inward(state.vertices)
-    found = openings(units, state.faces)
-    if not found:
-        return state
-    caps = [cap(units, opening) for opening in found if _closable(opening, policy)]
-    if not caps:
-        return state
-    faces = np.concatenate([state.faces, *caps])
-    widest = max(opening.width for opening in found if _closable(opening, policy)) * frame.scale
-    step = Step(
-        Rung.FILL,
-        f"closed {len(caps)} openings, the widest {widest:.4g} m",
-        moved=widest / 2.0,
-        volume_change=None,
-        seconds=process_time() - clock,
-    )
-    return state.after(state.vertices, faces, step)
-
-
-def _closable(opening: Opening, policy: RepairPolicy) -> bool:
-    if policy.openings == "fill":
-        return True
-    return opening.width < 0.1 or opening.flatness < 1e-3 * opening.width
-
-
-def made_one(state: State, policy: RepairPolicy) -> tuple[State, int, int] | str:
-    """Rung: closed shells turned outward, nested ones recognised, overlapping ones united."""
-    clock = process_time()
-    frame = Frame.around(state.vertices)
-    units = frame.inward(state.vertices)
-    shells = shells_of(units, state.faces)
-    sound = [shell for shell in shells if shell.volume != 0.0]
-    if not sound:
-        return "it encloses no volume"
-    before = sum(abs(shell.volume) for shell in sound)
-    nested = nest(sound)
-    steps = []
-    if nested.inverted:
-        what = f"turned {nested.inverted} inside-out shells"
-        steps.append(Step(Rung.ORIENT, what, seconds=process_time() - clock))
-    if len(sound) == 1:
-        vertices, faces = put_together(list(nested.shells))
-        restored, _ = frame.restored(vertices, state.vertices)
-        if len(restored) == len(state.vertices) and not nested.inverted:
-            return state, 0, 0
-        return state.after(restored, faces, *steps), 0, 0
-    clock = process_time()
-    united = unite(nested, policy.cavities)
+    shells = tuple(shell for shell in work.shells if shell.volume != 0.0)
+    if not shells:
+        return _refused("it encloses no volume", work)
+    united = unite(shells, job.policy.cavities)
     if united is None:
-        return "the union of its components failed"
-    vertices, new = frame.restored(united.vertices, state.vertices)
-    faces = united.faces
-    vertices, faces, _ = split_nonmanifold(*referenced(vertices, faces))
-    what = {
-        "apart": f"{len(sound)} shells lie apart",
-        "union": f"united {len(sound)} shells, {new} vertices on their intersections",
-    }[united.joined]
-    if united.buried:
-        what += f", {united.buried} buried in others"
-    if united.cavities:
-        done = "kept" if policy.cavities == "keep" else "filled"
-        what += f"; {united.cavities} enclosed cavities {done}"
-    solid = Mesh(frame.inward(vertices), faces)
-    cubed = frame.scale**3
-    step = Step(
-        Rung.UNITE,
-        what,
-        volume_change=(solid.volume - before) * cubed,
-        seconds=process_time() - clock,
+        return _refused("the union of its pieces failed", work)
+    vertices, new = job.frame.restored(united.vertices, job.mesh.vertices)
+    vertices, faces, _ = split_nonmanifold(*referenced(vertices, united.faces))
+    steps = []
+    if united.inverted:
+        steps.append(Step(Rung.ORIENT, f"turned {united.inverted} inside-out pieces"))
+    kept = united.cavities if job.policy.cavities == "keep" else 0
+    if len(shells) > 1:
+        what = (
+            f"united {len(shells)} pieces"
+            if united.joined == "union"
+            else (f"{len(shells)} pieces do not overlap")
+        )
+        if united.joined == "union":
+            what += f", with {new} vertices where they meet"
+        if united.buried:
+            what += f", {united.buried} buried in others"
+        if united.cavities:
+            what += f"; {united.cavities} enclosed cavities {'kept' if kept else 'filled'}"
+        enclosed = sum(abs(shell.volume) for shell in shells)
+        change = Mesh(job.frame.inward(vertices), faces).volume - enclosed
+        steps.append(
+            Step(
+                Rung.UNITE,
+                what,
+                volume_change=change * job.frame.scale**3,
+                seconds=process_time() - clock,
+            )
+        )
+    work = work.after(*steps)
+    still = defect(vertices, faces)
+    if still is not None:
+        return _refused(still, work)
+    solid = Mesh(vertices, faces)
+    measured = _measured(work, job, solid)
+    if job.policy.mode == "strict" and measured.largest > 1e-9 * job.mesh.diagonal:
+        return _refused("strict repair may not move the surface", work)
+    return Repaired(
+        solid,
+        work.steps,
+        measured,
+        (*work.findings, *_said(work, job, united.cavities, kept)),
+        kept,
+        united.cavities - kept,
+        work.notes,
     )
-    kept = united.cavities if policy.cavities == "keep" else 0
-    return state.after(vertices, faces, *steps, step), kept, united.cavities - kept
+
+
+def _said(work: Work, job: Job, cavities: int, kept: int) -> list[Finding]:
+    """What the user should know about a mesh that was repaired."""
+    found = []
+    taken = [step for step in work.steps if step.rung is not Rung.WELD]
+    if taken:
+        moved = max(step.moved for step in taken)
+        what = "; ".join(step.what for step in taken)
+        severity = Severity.WARNING if moved > 0.0 else Severity.NOTE
+        found.append(Finding("AP201", severity, what))
+    if cavities:
+        done = "kept" if kept else "filled"
+        found.append(Finding("AP207", Severity.NOTE, f"{cavities} enclosed cavities were {done}"))
+    return found
+
+
+def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
+    """Bounds from what was moved, added and given up; the rest of the surface stayed."""
+    fresh, lost = work.fresh, work.lost
+    if work.displacement == 0.0 and not len(fresh) and not len(lost):
+        return Deviation()
+    scale = job.frame.scale
+    moved = work.displacement * scale
+    added = removed = added_p99 = removed_p99 = 0.0
+    if len(fresh):
+        added = farthest(job.surface, fresh, side="surface", resolution=RESOLUTION)
+        units = job.frame.inward(solid.vertices)
+        added_p99 = quantile(job.surface, (units, solid.faces), side="surface")
+    if len(lost):
+        after = Surface(job.frame.inward(solid.vertices), solid.faces)
+        removed = farthest(after, lost, side="solid", resolution=RESOLUTION)
+        faces = np.delete(job.mesh.faces, degenerate(job.mesh.faces), axis=0)
+        before = job.frame.inward(job.mesh.vertices), faces
+        removed_p99 = quantile(after, before, side="solid")
+    return Deviation(
+        removed * scale + moved,
+        added * scale + moved,
+        min(removed_p99 * scale, removed * scale) + moved,
+        min(added_p99 * scale, added * scale) + moved,
+        "bound",
+    )

@@ -25,10 +25,12 @@ class RepairPolicy:
         budget: how far a step may move the surface before it is a finding instead.
         budget_unit: ``"share"`` of the bounding box's diagonal, or ``"metres"``.
         cavities: what becomes of enclosed voids, ``"keep"`` or ``"fill"``.
-        openings: what becomes of openings wider than the budget. ``"auto"`` caps plane
-            ones and gives the surface around others a thickness, with a finding;
-            ``"fill"`` closes all; ``"sheet"`` thickens all; ``"refuse"`` repairs none.
-        thickness: of open sheets, metres; ``None`` means the budget's half.
+        openings: what becomes of openings whose cap would lie farther from the surface
+            than the budget. ``"auto"`` closes those that are minor (hold less than 1% of
+            their piece's area) and gives the surface around others a thickness, with a
+            finding; ``"sheet"`` does so for all; ``"fill"`` closes all; ``"refuse"``
+            makes the mesh a finding.
+        thickness: of open sheets, metres; ``None`` means a quarter of the budget.
     """
 
     mode: Mode = "auto"
@@ -58,7 +60,7 @@ class RepairPolicy:
 
     def thickness_on(self, mesh: Mesh) -> float:
         """The thickness of sheets in metres on this mesh."""
-        return self.thickness if self.thickness is not None else self.budget_on(mesh) / 2.0
+        return self.thickness if self.thickness is not None else self.budget_on(mesh) / 4.0
 
 
 @dataclass(frozen=True)

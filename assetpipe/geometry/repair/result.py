@@ -11,15 +11,15 @@ from assetpipe.geometry.mesh import Mesh
 
 
 class Rung(Enum):
-    """The steps of the ladder, in the order in which they are tried."""
+    """The steps of the ladder, the gentlest first."""
 
     WELD = "weld"
+    ORIENT = "orient"
     CLEAN = "clean"
     STITCH = "stitch"
-    ORIENT = "orient"
     SPLIT = "split"
-    FILL = "fill"
     UNITE = "unite"
+    FILL = "fill"
     WINDING = "winding"
     SHEET = "sheet"
 

@@ -24,14 +24,20 @@ def pair_half_edges(vertices: FloatArray, edges: Edges) -> tuple[IntArray, IntAr
     return np.concatenate([first, more[:, 0]]), np.concatenate([second, more[:, 1]])
 
 
-def _brackets(vertices: FloatArray, edges: Edges) -> IntArray:
-    """(k, 2) pairs of half-edges over the edges with more than two faces."""
-    many = edges.nonmanifold
-    counts = edges.count[many]
-    owner = np.repeat(np.arange(len(many)), counts)
+def by_angle(vertices: FloatArray, edges: Edges, chosen: IntArray) -> tuple[IntArray, IntArray]:
+    """Half-edges around each of ``chosen`` edges, by angle.
+
+    The angle is the right-hand one about the direction from the edge's first to its
+    second end. A face whose half-edge runs that way has its outside ahead.
+
+    Returns:
+        Half-edges, those of one edge side by side, and the index in ``chosen`` of each.
+    """
+    counts = edges.count[chosen]
+    owner = np.repeat(np.arange(len(chosen)), counts)
     offset = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
-    half = edges.order[edges.first[many][owner] + offset]
-    low, high = edges.ends[many].T
+    half = edges.order[edges.first[chosen][owner] + offset]
+    low, high = edges.ends[chosen].T
     axis = vertices[high] - vertices[low]
     axis /= np.maximum(np.linalg.norm(axis, axis=1), np.finfo(float).tiny)[:, None]
     helper = np.eye(3)[np.argmin(np.abs(axis), axis=1)]
@@ -41,14 +47,21 @@ def _brackets(vertices: FloatArray, edges: Edges) -> IntArray:
     apex = edges.faces.ravel()[np.where(half % 3 == 0, half + 2, half - 1)]
     arm = vertices[apex] - vertices[low][owner]
     angle = np.arctan2((arm * v[owner]).sum(axis=1), (arm * u[owner]).sum(axis=1))
-    forward = edges.forward[half]
     # At equal angles an opening face comes first: material of no thickness between them.
-    order = np.lexsort((half, forward, angle, owner))
+    order = np.lexsort((half, edges.forward[half], angle, owner))
+    return half[order], owner[order]
+
+
+def _brackets(vertices: FloatArray, edges: Edges) -> IntArray:
+    """(k, 2) pairs of half-edges over the edges with more than two faces."""
+    many = edges.nonmanifold
+    half, owner = by_angle(vertices, edges, many)
+    closes = edges.forward[half]
+    starts = np.searchsorted(owner, np.arange(len(many) + 1))
     pairs: list[tuple[int, int]] = []
-    starts = np.searchsorted(owner[order], np.arange(len(many) + 1))
     for i in range(len(many)):
-        run = order[starts[i] : starts[i + 1]]
-        pairs.extend(_match(half[run].tolist(), forward[run].tolist()))
+        run = slice(int(starts[i]), int(starts[i + 1]))
+        pairs.extend(_match(half[run].tolist(), closes[run].tolist()))
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 

@@ -11,10 +11,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import Edges, components, face_components
+from assetpipe.geometry.health.topology import Edges, face_components, groups
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
-from assetpipe.geometry.repair.frame import Frame
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +72,7 @@ def shells_of(vertices: FloatArray, faces: IntArray) -> list[Shell]:
     number, label = face_components(Edges.of(faces, len(vertices)))
     if number == 1:
         return [Shell.of(vertices, faces)]
-    order = np.argsort(label, kind="stable")
-    bounds = np.searchsorted(label[order], np.arange(number + 1))
-    return [Shell.of(vertices, faces[order[bounds[i] : bounds[i + 1]]]) for i in range(number)]
+    return [Shell.of(vertices, faces[chosen]) for chosen in groups(label, number)]
 
 
 def nest(shells: list[Shell]) -> Nest:
@@ -128,43 +125,48 @@ class United:
     Attributes:
         vertices: (n, 3) units.
         faces: (m, 3).
+        inverted: outermost shells that were inside-out.
         cavities: enclosed voids found.
         buried: shells that lay wholly inside others and facing outward.
-        joined: ``"apart"`` if the shells did not overlap and were only put side by side.
+        joined: ``"alone"``: a single shell; ``"apart"``: shells that don't overlap, put side
+            by side; ``"union"``.
     """
 
     vertices: FloatArray
     faces: IntArray
+    inverted: int
     cavities: int
     buried: int
-    joined: Literal["apart", "union"]
+    joined: Literal["alone", "apart", "union"]
 
 
-def unite(nested: Nest, cavities: Literal["keep", "fill"]) -> United | None:
+def unite(shells: tuple[Shell, ...], cavities: Literal["keep", "fill"]) -> United | None:
     """The union of all bodies, each an outward shell less the cavities right inside it.
 
     Returns:
         ``None`` if manifold3d refuses a shell.
     """
+    nested = nest(list(shells))
     shells, parent = nested.shells, nested.parent
-    hollow = [parent[i] >= 0 and shells[i].volume < 0.0 for i in range(len(shells))]
-    outward = [i for i in range(len(shells)) if not hollow[i]]
-    inside = [i for i in outward if parent[i] >= 0 and not hollow[parent[i]]]
-    voids = [i for i in range(len(shells)) if hollow[i] and not hollow[parent[i]]]
-    kept = voids if cavities == "keep" else []
-    if cavities == "fill":
-        # What floats in a filled cavity is buried.
-        inside = [i for i in outward if parent[i] >= 0]
-    alone = nested.touching == 0
-    bodies = [i for i in outward if i not in set(inside)]
-    if alone:
-        parts = [shells[i] for i in sorted([*bodies, *kept])]
-        vertices, faces = put_together(parts)
-        return United(vertices, faces, len(voids), len(inside), "apart")
-    merged = _boolean(shells, bodies + inside, kept, parent)
+    every = range(len(shells))
+    hollow = [parent[i] >= 0 and shells[i].volume < 0.0 for i in every]
+    voids = [i for i in every if hollow[i] and not hollow[parent[i]]]
+    if cavities == "keep":
+        kept = voids
+        covered = [i for i in every if not hollow[i] and parent[i] >= 0 and not hollow[parent[i]]]
+    else:
+        kept = []
+        covered = [i for i in every if not hollow[i] and parent[i] >= 0]
+    buried = set(covered)
+    bodies = [i for i in every if not hollow[i] and i not in buried]
+    if nested.touching == 0:
+        vertices, faces = put_together([shells[i] for i in sorted([*bodies, *kept])])
+        joined: Literal["alone", "apart"] = "alone" if len(bodies) + len(kept) == 1 else "apart"
+        return United(vertices, faces, nested.inverted, len(voids), len(covered), joined)
+    merged = _boolean(shells, bodies + covered, kept, parent)
     if merged is None:
         return None
-    return United(*merged, len(voids), len(inside), "union")
+    return United(*merged, nested.inverted, len(voids), len(covered), "union")
 
 
 def put_together(parts: list[Shell]) -> tuple[FloatArray, IntArray]:
@@ -233,22 +235,3 @@ def _holes(
     shells: tuple[Shell, ...], voids: list[int], parent: tuple[int, ...], body: int
 ) -> list[Shell]:
     return [shells[j].reversed() for j in voids if parent[j] == body]
-
-
-def clusters(shells: list[Shell]) -> list[list[int]]:
-    """Groups of shells whose boxes overlap, each group and the groups in ascending order."""
-    low = np.array([shell.vertices.min(axis=0) for shell in shells])
-    high = np.array([shell.vertices.max(axis=0) for shell in shells])
-    a, b = [], []
-    for i in range(len(shells)):
-        overlap = ((low[i:] <= high[i]) & (high[i:] >= low[i])).all(axis=1)
-        others = i + np.flatnonzero(overlap)
-        a.append(np.full(len(others), i))
-        b.append(others)
-    number, label = components(len(shells), np.concatenate(a), np.concatenate(b))
-    return [np.flatnonzero(label == k).tolist() for k in range(number)]
-
-
-def frame_of(vertices: FloatArray) -> Frame:
-    """The frame in which unions are computed."""
-    return Frame.around(vertices)

@@ -1,0 +1,121 @@
+"""Boundaries that nearly meet: tolerance weld and T-junctions.
+
+Only boundary vertices move, so that closed parts of the surface keep their bits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from assetpipe.geometry.health.topology import Edges, components
+from assetpipe.geometry.health.weld import degenerate, referenced
+from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.subdivide import insert_on_edges
+
+_CANDIDATES = 5_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Stitched:
+    """Arrays after stitching, and how far a point of the surface moved at most."""
+
+    vertices: FloatArray
+    faces: IntArray
+    welded: int = 0
+    inserted: int = 0
+    displacement: float = 0.0
+
+
+def boundary_length(vertices: FloatArray, faces: IntArray) -> float:
+    """Total length of unbalanced edges: what is left to close."""
+    edges = Edges.of(faces, len(vertices))
+    ends = vertices[edges.ends[np.flatnonzero(edges.count % 2 == 1)]]
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
+
+
+def weld_boundary(vertices: FloatArray, faces: IntArray, tolerance: float) -> Stitched:
+    """Join boundary vertices closer than ``tolerance`` into the first of each cluster.
+
+    Clusters are connected by pairs within the tolerance; the displacement is measured,
+    as chains may be longer than one tolerance.
+    """
+    from scipy.spatial import cKDTree
+
+    edges = Edges.of(faces, len(vertices))
+    rim = np.unique(edges.ends[np.flatnonzero(edges.count % 2 == 1)])
+    if not len(rim):
+        return Stitched(vertices, faces)
+    pairs = cKDTree(vertices[rim]).query_pairs(tolerance, output_type="ndarray")
+    if not len(pairs):
+        return Stitched(vertices, faces)
+    _, label = components(len(rim), pairs[:, 0], pairs[:, 1])
+    _, lead = np.unique(label, return_index=True)
+    target = rim[lead[label]]
+    displacement = float(np.linalg.norm(vertices[target] - vertices[rim], axis=1).max())
+    to = np.arange(len(vertices))
+    to[rim] = target
+    faces = to[faces]
+    faces = np.delete(faces, degenerate(faces), axis=0)
+    kept, faces = referenced(vertices, faces)
+    return Stitched(kept, faces, int((target != rim).sum()), 0, displacement)
+
+
+def insert_junctions(vertices: FloatArray, faces: IntArray, tolerance: float) -> Stitched:
+    """Put boundary vertices onto the boundary edges that they nearly lie on.
+
+    The face at the edge is bent to the vertex, by at most the tolerance.
+    """
+    edges = Edges.of(faces, len(vertices))
+    odd = np.flatnonzero(edges.count == 1)
+    if not len(odd):
+        return Stitched(vertices, faces)
+    half = edges.order[edges.first[odd]]
+    start = faces.ravel()[half]
+    end = np.roll(faces, -1, axis=1).ravel()[half]
+    found = _on_edges(vertices, start, end, np.unique(edges.ends[odd]), tolerance)
+    if found is None:
+        return Stitched(vertices, faces)
+    edge, vertex, share, distance = found
+    # No vertex may come into a face that has it already.
+    third = faces.ravel()[np.where(half % 3 == 0, half + 2, half - 1)]
+    keep = vertex != third[edge]
+    edge, vertex, share, distance = edge[keep], vertex[keep], share[keep], distance[keep]
+    if not len(edge):
+        return Stitched(vertices, faces)
+    order = np.lexsort((vertex, share, edge))
+    points: dict[int, list[int]] = {}
+    for e, v in zip(edge[order].tolist(), vertex[order].tolist(), strict=True):
+        points.setdefault(int(half[e]), []).append(v)
+    faces = insert_on_edges(faces, points)
+    faces = np.delete(faces, degenerate(faces), axis=0)
+    kept, faces = referenced(vertices, faces)
+    return Stitched(kept, faces, 0, len(edge), float(distance.max()))
+
+
+def _on_edges(
+    vertices: FloatArray, start: IntArray, end: IntArray, rim: IntArray, tolerance: float
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray] | None:
+    """Which rim vertices lie on which edges: edge, vertex, share along it and distance."""
+    from scipy.spatial import cKDTree
+
+    a, b = vertices[start], vertices[end]
+    length = np.linalg.norm(b - a, axis=1)
+    tree = cKDTree(vertices[rim])
+    reach = length / 2.0 + tolerance
+    if tree.query_ball_point((a + b) / 2.0, reach, return_length=True).sum() > _CANDIDATES:
+        return None
+    near = tree.query_ball_point((a + b) / 2.0, reach, return_sorted=True)
+    counts = np.fromiter((len(n) for n in near), dtype=np.int64, count=len(near))
+    edge = np.repeat(np.arange(len(start)), counts)
+    vertex = rim[np.concatenate([np.asarray(n, dtype=np.int64) for n in near])]
+    along = b[edge] - a[edge]
+    arm = vertices[vertex] - a[edge]
+    squared = np.maximum(length[edge] ** 2, np.finfo(float).tiny)
+    share = np.einsum("ij,ij->i", arm, along) / squared
+    distance = np.linalg.norm(arm - share[:, None] * along, axis=1)
+    # Well between the ends: what lies near an end is a matter for the weld.
+    inner = (share * length[edge] > tolerance) & ((1.0 - share) * length[edge] > tolerance)
+    keep = inner & (distance <= tolerance) & (vertex != start[edge]) & (vertex != end[edge])
+    return edge[keep], vertex[keep], share[keep], distance[keep]

@@ -1,0 +1,100 @@
+"""A triangle surface that answers for distances and winding numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from assetpipe.geometry.mesh import FloatArray, IntArray
+
+Corners = npt.NDArray[np.float64]
+"""(n, 3, 3): the corners of n triangles."""
+
+
+def no_corners() -> Corners:
+    """No triangles."""
+    return np.zeros((0, 3, 3))
+
+
+class Surface:
+    """Distances to, and winding numbers of, one triangle surface (in units)."""
+
+    def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
+        import igl
+
+        self.vertices = np.ascontiguousarray(vertices)
+        self.faces = np.ascontiguousarray(faces)
+        self._tree = igl.AABB()
+        self._tree.init(self.vertices, self.faces)
+        self._winding: igl.FastWindingNumberBVH | None = None
+
+    def distance(self, points: FloatArray) -> FloatArray:
+        """(n,) distance of each point to the surface."""
+        if not len(points):
+            return np.zeros(0)
+        squared, _, _ = self._tree.squared_distance(self.vertices, self.faces, points)
+        result: FloatArray = np.sqrt(np.maximum(squared, 0.0))
+        return result
+
+    def closest(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
+        """(n,) distances, (n,) faces and (n, 3) closest points."""
+        squared, face, point = self._tree.squared_distance(self.vertices, self.faces, points)
+        return np.sqrt(np.maximum(squared, 0.0)), face, point
+
+    def winding(self, points: FloatArray) -> FloatArray:
+        """(n,) generalized winding number (Barill et al. 2018), to about 1e-2."""
+        import igl
+
+        if not len(points):
+            return np.zeros(0)
+        if self._winding is None:
+            self._winding = igl.FastWindingNumberBVH()
+            self._winding.init(self.vertices, self.faces)
+        result: FloatArray = self._winding.winding_number(np.ascontiguousarray(points))
+        return result
+
+    def outside(self, points: FloatArray) -> FloatArray:
+        """(n,) distance to the solid: zero for points inside."""
+        distance = self.distance(points)
+        away = np.flatnonzero(distance > 0.0)
+        inside = np.abs(self.winding(points[away])) > 0.5
+        distance[away[inside]] = 0.0
+        return distance
+
+    def bound_over(self, corners: Corners, face: IntArray) -> FloatArray:
+        """(n,) upper bound on the distance of any point of (n, 3, 3) triangles to the surface.
+
+        The distance to one face is convex, so that over a triangle it is largest at a
+        corner: the bound is the largest distance of the corners to ``face``.
+        """
+        target = self.vertices[self.faces[face]]
+        result = np.zeros(len(corners))
+        for k in range(3):
+            np.maximum(result, distance_to_triangles(corners[:, k], target), out=result)
+        return result
+
+
+def distance_to_triangles(points: FloatArray, triangles: Corners) -> FloatArray:
+    """(n,) distance of each point to its own triangle of (n, 3, 3)."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    nearest = np.minimum(
+        np.minimum(_to_segments(points, a, b), _to_segments(points, b, c)),
+        _to_segments(points, c, a),
+    )
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1)
+    over = length > 0.0
+    for start, end in ((a, b), (b, c), (c, a)):
+        over &= np.einsum("ij,ij->i", np.cross(end - start, points - start), normal) >= 0.0
+    height = np.abs(np.einsum("ij,ij->i", points - a, normal)) / np.where(over, length, 1.0)
+    result: FloatArray = np.where(over, np.minimum(height, nearest), nearest)
+    return result
+
+
+def _to_segments(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    along = end - start
+    squared = np.einsum("ij,ij->i", along, along)
+    share = np.einsum("ij,ij->i", points - start, along) / np.where(squared > 0.0, squared, 1.0)
+    foot = start + np.clip(share, 0.0, 1.0)[:, None] * along
+    result: FloatArray = np.linalg.norm(points - foot, axis=1)
+    return result

@@ -1,0 +1,97 @@
+"""A mesh on its way up the ladder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from assetpipe.errors import LimitError
+from assetpipe.findings import Finding
+from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
+from assetpipe.geometry.repair.frame import Frame
+from assetpipe.geometry.repair.policy import RepairLimits, RepairPolicy
+from assetpipe.geometry.repair.result import Step
+from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
+from assetpipe.geometry.repair.unite import Shell
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """One connected piece of open surface, in units; every vertex has one umbrella."""
+
+    vertices: FloatArray
+    faces: IntArray
+
+    @property
+    def corners(self) -> Corners:
+        """(m, 3, 3)."""
+        return self.vertices[self.faces]
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """What stays the same on the way: the input, what may be done, and how long.
+
+    Attributes:
+        mesh: the input, metres.
+        frame: units in which the work is done.
+        surface: the input's surface, units.
+        budget: units.
+        thickness: of sheets, units.
+        deadline: process time after which no further step begins.
+    """
+
+    mesh: Mesh
+    frame: Frame
+    surface: Surface
+    policy: RepairPolicy
+    limits: RepairLimits
+    budget: float
+    thickness: float
+    deadline: float
+
+    def check_time(self) -> None:
+        """Raise LimitError once the deadline has passed."""
+        if process_time() > self.deadline:
+            raise LimitError(f"repair took more than {self.limits.seconds:g} s")
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """The state between two rungs. Lengths are units of the job's frame.
+
+    Attributes:
+        vertices: (n, 3) of the surface that is not yet taken apart.
+        faces: (m, 3).
+        shells: closed pieces.
+        patches: open pieces.
+        fresh: triangles that the input did not have.
+        lost: triangles of the input that were replaced or dropped.
+        displacement: bound on how far points of the input were moved.
+        volume_known: whether the input enclosed a volume that a change can be told of.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    shells: tuple[Shell, ...] = ()
+    patches: tuple[Patch, ...] = ()
+    fresh: Corners = field(default_factory=no_corners)
+    lost: Corners = field(default_factory=no_corners)
+    displacement: float = 0.0
+    cavities_kept: int = 0
+    cavities_filled: int = 0
+    steps: tuple[Step, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def after(self, *steps: Step, findings: tuple[Finding, ...] = (), **changes: Any) -> Work:
+        """The next state: fields replaced, steps and findings appended."""
+        return replace(self, steps=self.steps + steps, findings=self.findings + findings, **changes)
+
+
+def stacked(*parts: Corners) -> Corners:
+    """Triangles of all parts."""
+    return np.concatenate([no_corners(), *parts])
