@@ -2,11 +2,9 @@
 
 use glam::DVec3;
 
-use super::quickhull::{order, Facet};
+use super::quickhull::{order, Facet, NONE};
 use crate::mesh::Mesh;
 use crate::predicates::orient3d;
-
-const NONE: u32 = u32::MAX;
 
 /// Memory reused between hulls.
 #[derive(Debug, Default)]

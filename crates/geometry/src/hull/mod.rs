@@ -1,8 +1,12 @@
 //! Convex hulls, exactly: what encloses is proved by exact predicates.
 
+mod circumscribe;
 mod facets;
+mod growing;
+mod program;
 mod quickhull;
 mod simplex;
+mod simplify;
 #[cfg(test)]
 mod tests;
 mod validate;
@@ -10,6 +14,7 @@ mod validate;
 use glam::DVec3;
 
 pub use quickhull::Builder;
+pub use simplify::{simplify_outward, SimplifyError};
 pub use validate::{check_convex, ConvexityDefect};
 
 use crate::mesh::Mesh;

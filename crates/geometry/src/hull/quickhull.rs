@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::predicates::orient3d;
 
 /// The end of a list, or no facet.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// A triangle of the growing hull and the points waiting outside of it.
 #[derive(Clone, Debug)]
@@ -45,17 +45,17 @@ pub(super) struct Facet {
 /// built before.
 #[derive(Debug, Default)]
 pub struct Builder {
-    facets: Vec<Facet>,
-    free: Vec<u32>,
+    pub(super) facets: Vec<Facet>,
+    pub(super) free: Vec<u32>,
     /// Next point waiting outside the same facet, per point.
     next: Vec<u32>,
     /// New facet that starts at a horizon vertex, per point.
     starting: Vec<u32>,
     pending: VecDeque<u32>,
-    visible: Vec<u32>,
+    pub(super) visible: Vec<u32>,
     /// Edges between what a point sees and what it does not: start, end, facet behind, its edge.
     horizon: Vec<(u32, u32, u32, u8)>,
-    fresh: Vec<u32>,
+    pub(super) fresh: Vec<u32>,
     polygons: facets::Scratch,
 }
 
@@ -65,8 +65,9 @@ impl Builder {
     /// # Errors
     /// As [`convex_hull`](super::convex_hull).
     pub fn hull(&mut self, points: &[DVec3]) -> Result<Mesh, HullError> {
-        self.grow(points)?;
-        Ok(facets::canonical(points, &self.facets, &mut self.polygons))
+        let extent = check(points)?;
+        self.grow(points, extent)?;
+        Ok(self.canonical(points))
     }
 
     /// The volume of the convex hull, without making its mesh.
@@ -74,7 +75,8 @@ impl Builder {
     /// # Errors
     /// As [`convex_hull`](super::convex_hull).
     pub fn volume(&mut self, points: &[DVec3]) -> Result<f64, HullError> {
-        self.grow(points)?;
+        let extent = check(points)?;
+        self.grow(points, extent)?;
         let at = |i: u32| points[i as usize];
         let Some(apex) = self
             .facets
@@ -93,16 +95,26 @@ impl Builder {
         Ok(six_fold / 6.0)
     }
 
-    fn grow(&mut self, points: &[DVec3]) -> Result<(), HullError> {
-        let extent = check(points)?;
+    /// Prepares for points up to this number. Memory is never cleared: entries
+    /// are written before they are read.
+    pub(super) fn make_room(&mut self, points: usize) {
+        let size = self.next.len().max(points);
+        self.next.resize(size, NONE);
+        self.starting.resize(size, NONE);
+    }
+
+    /// The hull that has been grown, as a mesh.
+    pub(super) fn canonical(&mut self, points: &[DVec3]) -> Mesh {
+        facets::canonical(points, &self.facets, &mut self.polygons)
+    }
+
+    /// Grows the hull of points whose coordinates differ by at most `extent`.
+    pub(super) fn grow(&mut self, points: &[DVec3], extent: DVec3) -> Result<(), HullError> {
         let start = simplex::spanning(points)?;
         self.facets.clear();
         self.free.clear();
         self.pending.clear();
-        // Grown, never cleared: entries are written before they are read.
-        let size = self.next.len().max(points.len());
-        self.next.resize(size, NONE);
-        self.starting.resize(size, NONE);
+        self.make_room(points.len());
         let mut work = Work {
             points,
             extent,
@@ -120,8 +132,8 @@ impl Builder {
     }
 }
 
-/// Extent of the points per axis.
-fn check(points: &[DVec3]) -> Result<DVec3, HullError> {
+/// Extent of finite points per axis.
+pub(super) fn check(points: &[DVec3]) -> Result<DVec3, HullError> {
     let Some(&first) = points.first() else {
         return Err(HullError::Empty);
     };
@@ -149,10 +161,12 @@ fn check(points: &[DVec3]) -> Result<DVec3, HullError> {
     Ok(high - low)
 }
 
-struct Work<'a> {
-    points: &'a [DVec3],
-    extent: DVec3,
-    builder: &'a mut Builder,
+/// A builder at work on its points.
+pub(super) struct Work<'a> {
+    pub(super) points: &'a [DVec3],
+    /// Largest difference of coordinates between points.
+    pub(super) extent: DVec3,
+    pub(super) builder: &'a mut Builder,
 }
 
 impl Work<'_> {
@@ -215,7 +229,7 @@ impl Work<'_> {
     /// How far `point` is outside of `facet` (in units of the facet's
     /// normal, rounded), or nothing if it is not strictly outside.
     #[inline]
-    fn height(&self, facet: u32, point: u32) -> Option<f64> {
+    pub(super) fn height(&self, facet: u32, point: u32) -> Option<f64> {
         let f = &self.builder.facets[facet as usize];
         let height = f.normal.dot(self.at(point) - f.origin);
         if height > f.doubt {
@@ -276,7 +290,7 @@ impl Work<'_> {
     }
 
     /// Gathers the facets that `eye` sees, from `first` on, and their horizon.
-    fn see(&mut self, first: u32, eye: u32) {
+    pub(super) fn see(&mut self, first: u32, eye: u32) {
         self.builder.visible.clear();
         self.builder.horizon.clear();
         let f = &mut self.builder.facets[first as usize];
@@ -314,7 +328,7 @@ impl Work<'_> {
     }
 
     /// Replaces what `eye` sees by the cone from it to the horizon.
-    fn cone(&mut self, eye: u32) {
+    pub(super) fn cone(&mut self, eye: u32) {
         self.builder.fresh.clear();
         let horizon = std::mem::take(&mut self.builder.horizon);
         for &(start, end, behind, back) in &horizon {

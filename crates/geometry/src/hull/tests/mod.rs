@@ -1,5 +1,7 @@
 //! Hulls against the definition: exact containment, convexity and minimality.
 
+mod simplified;
+
 use glam::DVec3;
 
 use super::{convex_hull, Builder, HullError};

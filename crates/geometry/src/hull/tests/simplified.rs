@@ -1,0 +1,99 @@
+//! Simplified hulls: exact enclosure, the count, and how much they grow.
+
+use glam::DVec3;
+
+use super::check;
+use crate::hull::circumscribe::contains;
+use crate::hull::{convex_hull, simplify_outward, SimplifyError};
+use crate::mesh::Mesh;
+use crate::properties::volume;
+use crate::sample::Random;
+
+fn simplified(hull: &Mesh, max_vertices: usize) -> f64 {
+    let simple = simplify_outward(hull, max_vertices).unwrap();
+    check(&simple.vertices, &simple);
+    assert!(simple.vertices.len() <= max_vertices);
+    assert!(contains(&simple, hull).unwrap(), "{max_vertices} vertices do not enclose");
+    volume(&simple) / volume(hull)
+}
+
+fn ball(n: usize, seed: u64) -> Mesh {
+    let mut random = Random::new(seed);
+    let points: Vec<DVec3> = (0..n).map(|_| random.on_sphere()).collect();
+    convex_hull(&points).unwrap()
+}
+
+fn prism(sides: u32) -> Mesh {
+    let points: Vec<DVec3> = (0..sides)
+        .map(|i| f64::from(i) * std::f64::consts::TAU / f64::from(sides))
+        .flat_map(|a| [-1.0, 1.0].map(|z| DVec3::new(libm::cos(a), libm::sin(a), z)))
+        .collect();
+    convex_hull(&points).unwrap()
+}
+
+#[test]
+fn balls_in_every_number() {
+    for (n, seed) in [(20, 1), (100, 2), (400, 3)] {
+        let hull = ball(n, seed);
+        let mut last = f64::INFINITY;
+        for max in [4, 5, 6, 7, 8, 12, 16, 32, 64, 128, n - 1, n, n + 1] {
+            let growth = simplified(&hull, max);
+            if max >= 8 {
+                assert!(growth <= 1.05 * last, "{n} to {max}: {growth}, fewer gave {last}");
+                last = growth;
+            }
+        }
+        assert_eq!(last, 1.0);
+    }
+    assert!(simplified(&ball(400, 3), 64) < 1.09);
+    assert!(simplified(&ball(400, 3), 32) < 1.2);
+}
+
+#[test]
+fn one_vertex_fewer_costs_little() {
+    let hull = ball(100, 5);
+    assert!(simplified(&hull, 99) < 1.001);
+    assert!(simplified(&hull, 90) < 1.01);
+}
+
+#[test]
+fn prisms_become_prisms_with_fewer_sides() {
+    // A polygon of n sides around a circle has n/π tan(π/n) of its area.
+    let around = |n: f64| n / std::f64::consts::PI * libm::tan(std::f64::consts::PI / n);
+    let hull = prism(128);
+    for sides in [8, 16, 32] {
+        let growth = simplified(&hull, 2 * sides);
+        assert!(growth < 1.0 + 2.5 * (around(sides as f64) - 1.0), "{sides}: {growth}");
+    }
+}
+
+#[test]
+fn boxes_and_tetrahedra_where_no_edge_can_collapse() {
+    let cube = prism(4);
+    for max in 4..9 {
+        simplified(&cube, max);
+    }
+}
+
+#[test]
+fn plates_needles_and_distant_hulls() {
+    let hull = ball(150, 6);
+    for stretch in [DVec3::new(1.0, 1.0, 1e-6), DVec3::new(1.0, 1e-6, 1e-6), DVec3::splat(1e-6)] {
+        for shift in [0.0, 1e4 * stretch.max_element()] {
+            let vertices: Vec<DVec3> =
+                hull.vertices.iter().map(|v| *v * stretch + shift).collect();
+            let flat = convex_hull(&vertices).unwrap();
+            for max in [4, 8, 20, 64] {
+                simplified(&flat, max);
+            }
+        }
+    }
+}
+
+#[test]
+fn three_vertices_are_too_few() {
+    assert_eq!(
+        simplify_outward(&prism(5), 3),
+        Err(SimplifyError::TooFew { max_vertices: 3 })
+    );
+}
