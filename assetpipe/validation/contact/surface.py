@@ -6,8 +6,11 @@ FCL answers some questions well and others badly; what is asked here was measure
   about 1e-4 in the separation. Shapes of a millimetre get answers wrong by 30%, and
   the second solver (``GST_INDEP``) even a wrong yes/no. Axis-aligned polytopes get
   separations up to 15% too large at any scale, with both solvers.
-- Triangle against triangle (``BVHModel`` on both sides) and sphere against triangle
-  are closed forms: exact to rounding, but for an absolute 1e-6 in triangle pairs.
+- Triangle against triangle (``BVHModel`` on both sides) is a closed form: exact to
+  rounding, but for an absolute 1e-6.
+- Sphere against triangle answers yes or no rightly, but its distance is sometimes
+  "contact" for spheres centimetres away from long triangles (about 1 in 100 on hulls
+  of plates): a sphere's separation is taken from its centre instead.
 
 So both sides are triangle meshes or spheres here, in units in which the diagonal is
 :data:`UNITS`; ``fcl.Convex`` serves penetration depth only, which nothing else gives.
