@@ -19,8 +19,11 @@ from assetpipe.robot.model import (
     Visual,
 )
 from assetpipe.robot.packages import Package
+from assetpipe.robot.packaging import Copy, HullPlace, Layout, lay_out
 from assetpipe.robot.reader import ReadRobot, finding_of, read_robot
-from assetpipe.robot.resources import Resolution, Resolver
+from assetpipe.robot.resolution import Resolution
+from assetpipe.robot.resources import Resolver
+from assetpipe.robot.search import find_robots
 from assetpipe.robot.writer import HullMesh, NewCollision, NewShape, write_urdf
 from assetpipe.robot.xacro import XacroError
 
@@ -28,9 +31,12 @@ __all__ = [
     "Box",
     "Capsule",
     "Collision",
+    "Copy",
     "Cylinder",
     "HullMesh",
+    "HullPlace",
     "Joint",
+    "Layout",
     "Limit",
     "Link",
     "MeshShape",
@@ -48,9 +54,11 @@ __all__ = [
     "Sphere",
     "Visual",
     "XacroError",
+    "find_robots",
     "finding_of",
     "forward_kinematics",
     "home",
+    "lay_out",
     "read_robot",
     "write_urdf",
 ]

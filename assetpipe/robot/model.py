@@ -16,7 +16,7 @@ from typing import Literal
 from assetpipe.errors import UsageError, unknown_name
 from assetpipe.geometry.mesh import FloatArray
 from assetpipe.robot.packages import Package
-from assetpipe.robot.resources import Resolution
+from assetpipe.robot.resolution import Resolution
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "floating", "planar"]
 
@@ -205,6 +205,8 @@ class Robot:
         links: in document order, each name once.
         joints: in document order, each name once.
         package: the package that the file lies in, if any.
+        home: folder that everything of its own lies in: the package's, the repository's, or
+            the file's.
         references: every file that the description names, in document order.
         includes: files that xacro read besides :attr:`path`.
     """
@@ -215,6 +217,7 @@ class Robot:
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     package: Package | None
+    home: Path
     references: tuple[Reference, ...]
     includes: tuple[Path, ...] = ()
 

@@ -10,14 +10,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from assetpipe.errors import InputError, Location, unknown_name
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.mesh import locked
-from assetpipe.robot import values
+from assetpipe.robot import checks, values
+from assetpipe.robot.lookup import Lookup
 from assetpipe.robot.markup import MAX_BYTES, Element, Markup, read_markup
 from assetpipe.robot.model import (
     Box,
@@ -25,7 +26,6 @@ from assetpipe.robot.model import (
     Collision,
     Cylinder,
     Joint,
-    JointType,
     Limit,
     Link,
     MeshShape,
@@ -37,8 +37,8 @@ from assetpipe.robot.model import (
     Sphere,
     Visual,
 )
-from assetpipe.robot.resources import Lookup, Resolver
-from assetpipe.robot.values import KNOWN_SHAPES, Unreadable, shape_of
+from assetpipe.robot.resources import Resolver
+from assetpipe.robot.values import shape_of
 from assetpipe.robot.xacro import expand
 
 _Placed = TypeVar("_Placed", Collision, Visual)
@@ -50,7 +50,6 @@ _SEVERITY = {
     "other": Severity.NOTE,
 }
 """How much it matters that a file is missing, by what it is for."""
-_COUNTS = {"xyz": (3,), "rpy": (3,), "size": (3,), "scale": (1, 3)}
 
 
 @dataclass(frozen=True)
@@ -137,6 +136,7 @@ class _Reader:
             links=links,
             joints=joints,
             package=self._lookup.package,
+            home=self._lookup.home,
             references=tuple(self._references),
             includes=includes,
         )
@@ -207,49 +207,27 @@ class _Reader:
         index: int,
     ) -> _Placed:
         name = element.attributes.get("name")
-        wrong = self._wrong_shape(element, parsed)
+        for odd in checks.odd_shape(element):
+            self._say("AP105", element.line, f"<{element.tag}> {odd}", link=link)
+        wrong = checks.wrong_shape(element, parsed)
         if wrong is not None:
             severity = Severity.ERROR if kind is Collision else Severity.WARNING
             message = f"<{element.tag}> {wrong}; left as it is"
             self._say("AP105", element.line, message, severity=severity, link=link)
+            for mesh in element.walk():
+                if mesh.tag == "mesh" and mesh.attributes.get("filename", "").strip():
+                    # what stays as it is needs its files all the same
+                    uri = mesh.attributes["filename"]
+                    self._refer(_role(element), uri, mesh.line, link=link, index=index)
             inner = shape_of(element)
             other = OtherShape(inner.tag if inner is not None else "")
             return kind(link, index, name, values.pose(None), other, element.line)
         shape = self._shape(element, parsed, link, index)
         return kind(link, index, name, values.pose(parsed.origin), shape, element.line)
 
-    def _wrong_shape(self, element: Element, parsed: Any) -> str | None:
-        """What is wrong with a collision or visual element, if anything."""
-        geometry = element.first("geometry")
-        if geometry is None:
-            return "has no <geometry>"
-        shape = shape_of(element)
-        if shape is None:
-            return f"has {len(geometry.children)} shapes in its <geometry> instead of one"
-        if shape.tag not in KNOWN_SHAPES:
-            return f"has an unknown shape <{shape.tag}>"
-        if isinstance(parsed, Unreadable):
-            return f"cannot be read: {parsed.reason}"
-        if shape.tag == "mesh" and not shape.attributes.get("filename", "").strip():
-            return "names no mesh file"
-        for part in (shape, element.first("origin")):
-            wrong = _wrong_count(part) if part is not None else None
-            if wrong is not None:
-                return wrong
-        found = [parsed.origin] if parsed.origin is not None else []
-        found += [v for item in vars(parsed.geometry).values() if item for v in _numbers(item)]
-        if not all(np.isfinite(np.asarray(v, dtype=np.float64)).all() for v in found):
-            return "has a number that is not finite"
-        sizes = [v for item in vars(parsed.geometry).values() if item for v in _numbers(item)]
-        if shape.tag == "mesh":
-            if any((np.asarray(v, dtype=np.float64) == 0.0).any() for v in sizes):
-                return "has a scale of zero"
-        elif any((np.asarray(v, dtype=np.float64) < 0.0).any() for v in sizes):
-            return "has a negative size"
-        return None
-
     def _shape(self, element: Element, parsed: Any, link: str, index: int) -> Shape:
-        tag = element.first("geometry").children[0].tag  # type: ignore[union-attr]
+        inner = shape_of(element)
+        tag = inner.tag if inner is not None else ""
         geometry = parsed.geometry
         if tag == "box":
             x, y, z = (float(v) for v in geometry.box.size)
@@ -262,8 +240,7 @@ class _Reader:
         factors = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
         x, y, z = (float(v) for v in np.broadcast_to(np.asarray(factors, dtype=np.float64), (3,)))
         uri = str(geometry.mesh.filename)
-        role: _Role = "collision" if element.tag == "collision" else "visual"
-        path = self._refer(role, uri, element.line, link=link, index=index)
+        path = self._refer(_role(element), uri, element.line, link=link, index=index)
         return MeshShape(uri, path, (x, y, z))
 
     def _refer(
@@ -307,7 +284,9 @@ class _Reader:
         parents: dict[str, str] = {}
         for element, parsed in zip(elements, values.parse_joints(elements), strict=True):
             name = element.attributes["name"]
-            wrong = self._wrong_joint(element, parsed, links)
+            for odd in checks.odd_numbers(element.all("origin") + element.all("axis")):
+                self._say("AP105", element.line, f"joint '{name}' {odd}")
+            wrong = checks.wrong_joint(parsed, links)
             if wrong is None and parents.get(parsed.child, name) != name:
                 wrong = f"is a second parent of link '{parsed.child}' ('{parents[parsed.child]}')"
             if wrong is not None:
@@ -344,25 +323,6 @@ class _Reader:
             return replace(joint, mimic=None)
         return joint
 
-    def _wrong_joint(self, element: Element, parsed: Any, links: set[str]) -> str | None:
-        if isinstance(parsed, Unreadable):
-            return f"cannot be read: {parsed.reason}"
-        if parsed.type not in get_args(JointType):
-            return f"has type '{parsed.type}', none of {', '.join(get_args(JointType))}"
-        for role, link in (("parent", parsed.parent), ("child", parsed.child)):
-            if link not in links:
-                return f"has {role} '{link}', which is no link"
-        for part in (element.first("origin"), element.first("axis")):
-            wrong = _wrong_count(part) if part is not None else None
-            if wrong is not None:
-                return wrong
-        numbers = [parsed.axis, *([parsed.origin] if parsed.origin is not None else [])]
-        if not all(np.isfinite(np.asarray(v, dtype=np.float64)).all() for v in numbers):
-            return "has a number that is not finite"
-        if parsed.type not in ("fixed", "floating") and not np.linalg.norm(parsed.axis) > 0.0:
-            return "has an axis of length zero"
-        return None
-
     def _joint(self, element: Element, parsed: Any) -> Joint:
         length = float(np.linalg.norm(parsed.axis))
         axis = np.asarray(parsed.axis, dtype=np.float64)
@@ -396,20 +356,8 @@ class _Reader:
         )
 
 
-def _numbers(item: Any) -> list[Any]:
-    """The numbers of a yourdfpy shape."""
-    return [v for v in vars(item).values() if v is not None and not isinstance(v, str)]
-
-
-def _wrong_count(element: Element) -> str | None:
-    for name, counts in _COUNTS.items():
-        text = element.attributes.get(name)
-        if text is None:
-            continue
-        count = len(text.replace(",", " ").split())
-        if count not in counts and not (name == "scale" and count == 0):
-            return f"has {count} numbers in {name}='{text.strip()[:60]}' instead of {counts[-1]}"
-    return None
+def _role(element: Element) -> _Role:
+    return "collision" if element.tag == "collision" else "visual"
 
 
 def _finite(value: float | None) -> float | None:

@@ -32,6 +32,9 @@ _SHAPES = {
 KNOWN_SHAPES = frozenset(_SHAPES)
 """Tags inside of ``<geometry>`` that are understood."""
 
+COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3}
+"""How many numbers an attribute has at most."""
+
 _JOINT_PARTS = {
     "parent": ("link",),
     "child": ("link",),
@@ -60,11 +63,9 @@ def parse_joints(elements: Sequence[Element]) -> list[Any]:
 
 
 def shape_of(element: Element) -> Element | None:
-    """The element inside of ``<geometry>``, if there is exactly one."""
+    """The first element inside of ``<geometry>``, the one that URDF consumers read."""
     geometry = element.first("geometry")
-    if geometry is None or len(geometry.children) != 1:
-        return None
-    return geometry.children[0]
+    return None if geometry is None else next(iter(geometry.children), None)
 
 
 def pose(matrix: FloatArray | None) -> FloatArray:
@@ -138,8 +139,12 @@ def _joint(element: Element) -> str:
 
 def _tag(tag: str, element: Element, names: Sequence[str]) -> str:
     given = {name: element.attributes[name] for name in names if name in element.attributes}
-    # some write "0, 0, 1"; yourdfpy forgives that in sizes and scales only
-    given |= {name: given[name].replace(",", " ") for name in ("xyz", "rpy") if name in given}
+    # some write "0, 0, 1" or "1 1 1 1"
+    given |= {
+        name: " ".join(given[name].replace(",", " ").split()[:count])
+        for name, count in COUNTS.items()
+        if name in given
+    }
     written = "".join(f" {name}={quoteattr(value, _WHITE)}" for name, value in given.items())
     return f"<{tag}{written}/>"
 

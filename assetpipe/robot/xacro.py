@@ -24,8 +24,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from assetpipe.errors import InputError, LimitError, Location
+from assetpipe.robot.lookup import Lookup
 from assetpipe.robot.markup import MAX_BYTES
-from assetpipe.robot.resources import Lookup
 
 SECONDS = 60.0
 """How long an expansion may take."""

@@ -19,7 +19,8 @@ from xml.parsers import expat
 
 from assetpipe.errors import AssetpipeError, InputError, Location
 from assetpipe.geometry.formats import secure_xml
-from assetpipe.robot.resources import Lookup, Resolver
+from assetpipe.robot.lookup import Lookup
+from assetpipe.robot.resources import Resolver
 
 _INNER = re.compile(r"_|(gi|cr|ag|f|tb|co|func)_|(format_map|mro)$")
 """Attributes that lead from a value into the interpreter."""
