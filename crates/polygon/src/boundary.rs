@@ -1,10 +1,12 @@
 //! Boundaries as linked corners that a diagonal splits or joins in O(1),
 //! and that can be taken back in reverse order.
 
+use std::cmp::Ordering;
+
 use crate::point::{in_corner, orient};
 use crate::Point;
 
-pub(crate) const NONE: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
 
 /// A diagonal between corners `r` and `x`. Each of the two vertices then has
 /// two corners: the old one and a new one.
@@ -24,14 +26,14 @@ pub(crate) struct Boundary {
     pub vertex: Vec<u32>,
     pub next: Vec<u32>,
     pub previous: Vec<u32>,
-    first_at: Vec<u32>,
-    sibling: Vec<u32>,
+    /// Per vertex its corners, counter-clockwise from the first one's next edge.
+    at_vertex: Vec<Vec<u32>>,
 }
 
 impl Boundary {
     pub fn new(points: Vec<Point>) -> Self {
         Self {
-            first_at: vec![NONE; points.len()],
+            at_vertex: vec![Vec::new(); points.len()],
             points,
             ..Self::default()
         }
@@ -42,9 +44,24 @@ impl Boundary {
         let start = self.vertex.len() as u32;
         let n = ring.len() as u32;
         for (k, &v) in (0..n).zip(ring) {
-            self.add_corner(v, start + (k + n - 1) % n, start + (k + 1) % n);
+            let corner = self.add_corner(v, start + (k + n - 1) % n, start + (k + 1) % n);
+            self.at_vertex[v as usize].push(corner);
         }
         start
+    }
+
+    /// Puts the corners of each vertex in order; to be called after all rings are there.
+    pub fn sort_corners(&mut self) {
+        for v in 0..self.points.len() {
+            let mut corners = std::mem::take(&mut self.at_vertex[v]);
+            if corners.len() > 1 {
+                let turn = Turn::about(self.points[v], self.point(self.next(corners[0])));
+                corners.sort_by(|&a, &b| {
+                    turn.compare(self.point(self.next(a)), self.point(self.next(b)))
+                });
+            }
+            self.at_vertex[v] = corners;
+        }
     }
 
     fn add_corner(&mut self, vertex: u32, previous: u32, next: u32) -> u32 {
@@ -52,9 +69,14 @@ impl Boundary {
         self.vertex.push(vertex);
         self.previous.push(previous);
         self.next.push(next);
-        self.sibling.push(self.first_at[vertex as usize]);
-        self.first_at[vertex as usize] = corner;
         corner
+    }
+
+    /// Notes the corner `new` before or after `old`, its neighbour at the vertex.
+    fn insert_beside(&mut self, old: u32, new: u32, after: usize) {
+        let corners = &mut self.at_vertex[self.vertex[old as usize] as usize];
+        let place = corners.iter().position(|&c| c == old).unwrap_or(0);
+        corners.insert(place + after, new);
     }
 
     pub fn point(&self, corner: u32) -> Point {
@@ -88,16 +110,17 @@ impl Boundary {
 
     /// The corner at `vertex` whose interior contains the direction to `q`.
     pub fn facing(&self, vertex: u32, q: Point) -> Option<u32> {
-        let mut corner = self.first_at[vertex as usize];
-        while corner != NONE {
-            let [a, v, b] =
-                [self.previous(corner), corner, self.next(corner)].map(|c| self.point(c));
-            if in_corner(a, v, b, q) {
-                return Some(corner);
-            }
-            corner = self.sibling[corner as usize];
+        let corners = &self.at_vertex[vertex as usize];
+        let first = *corners.first()?;
+        let mut place = 0;
+        if corners.len() > 1 {
+            let turn = Turn::about(self.points[vertex as usize], self.point(self.next(first)));
+            let begun = |&c: &u32| turn.compare(self.point(self.next(c)), q) != Ordering::Greater;
+            place = corners.partition_point(begun).saturating_sub(1);
         }
-        None
+        let corner = corners[place];
+        let [a, v, b] = [self.previous(corner), corner, self.next(corner)].map(|c| self.point(c));
+        in_corner(a, v, b, q).then_some(corner)
     }
 
     /// Links `r` and `x` by a diagonal. On one ring it splits it, the ring of
@@ -111,6 +134,9 @@ impl Boundary {
         self.previous[after_x as usize] = new_x;
         self.next[x as usize] = r;
         self.previous[r as usize] = x;
+        // seen from a vertex, the interior runs from the next edge to the previous one
+        self.insert_beside(r, new_r, 1);
+        self.insert_beside(x, new_x, 0);
         Diagonal { r, x, new_r, new_x }
     }
 
@@ -123,5 +149,32 @@ impl Boundary {
         self.next[before_r as usize] = r;
         self.next[x as usize] = after_x;
         self.previous[after_x as usize] = x;
+    }
+}
+
+/// Counter-clockwise order of directions about a point, from a first one.
+struct Turn {
+    centre: Point,
+    first: Point,
+}
+
+impl Turn {
+    fn about(centre: Point, first: Point) -> Self {
+        Self { centre, first }
+    }
+
+    /// Whether `q` lies less than half a turn beyond the first direction.
+    fn in_first_half(&self, q: Point) -> bool {
+        let Self { centre, first } = *self;
+        let side = orient(centre, first, q);
+        side > 0.0
+            || (side == 0.0
+                && (q.x > centre.x) == (first.x > centre.x)
+                && (q.y > centre.y) == (first.y > centre.y))
+    }
+
+    fn compare(&self, p: Point, q: Point) -> Ordering {
+        let halves = self.in_first_half(q).cmp(&self.in_first_half(p));
+        halves.then_with(|| 0.0_f64.total_cmp(&(orient(self.centre, p, q) + 0.0)))
     }
 }

@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 
 use crate::arrangement::{arrange, handle, Arrangement};
 use crate::boundary::{Boundary, Diagonal};
-use crate::concavity::{measure_pocket, Loops, Measure, Witness};
+use crate::concavity::{measure_pocket, scattered, Loops, Measure, Witness};
 use crate::hierarchy::{Cut, Hierarchy, Start};
 use crate::holes::{self, Hole, HoleAxis, OUTER};
 use crate::hull::{mark_chain, mark_ring};
@@ -69,6 +69,7 @@ pub fn decompose(rings: &[Vec<Point>], parameters: &Parameters) -> Result<Hierar
                 .collect::<Vec<_>>(),
         );
     }
+    boundary.sort_corners();
     let mut engine = Engine::new(arrangement, boundary, *parameters);
     let mut starts = Vec::new();
     for (outer, holes) in outers.iter().zip(&holes) {
@@ -97,7 +98,7 @@ impl Eq for Entry {}
 impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
         (self.witness.value.total_cmp(&other.witness.value))
-            .then(other.vertex.cmp(&self.vertex))
+            .then(scattered(other.vertex).cmp(&scattered(self.vertex)))
             .then(other.start.cmp(&self.start))
             .then(other.witness.corner.cmp(&self.witness.corner))
     }

@@ -24,12 +24,14 @@ fn place(
 }
 
 /// Reports every vertex that a diagonal from `corner` can reach inside the
-/// polygon, nearest directions first in no particular order. `seen(vertex,
-/// distance)` returns the distance beyond which vertices no longer matter.
+/// polygon. Windows for which `open(from, to)` is false are not looked through.
+/// `seen(vertex, distance)` returns the distance beyond which vertices no
+/// longer matter.
 pub(crate) fn from_corner(
     cdt: &Triangulation,
     boundary: &Boundary,
     corner: u32,
+    open: impl Fn(Point, Point) -> bool,
     mut seen: impl FnMut(u32, f64) -> f64,
 ) {
     let eye = boundary.point(corner);
@@ -65,7 +67,7 @@ pub(crate) fn from_corner(
             continue;
         }
         let (a, b) = (place(window.edge.from()), place(window.edge.to()));
-        if distance_to_segment(eye, a, b) > limit {
+        if !open(a, b) || distance_to_segment(eye, a, b) > limit {
             continue;
         }
         let beyond = window.edge.rev();

@@ -61,7 +61,13 @@ pub(crate) fn measure_pocket(
     witness(boundary, chain, concavity)
 }
 
-/// The notch of largest concavity; ties go to the smallest vertex.
+/// Breaks ties between equally concave notches. Spread out instead of in a
+/// row, so that a comb is halved again and again and not eaten from one end.
+pub(crate) fn scattered(vertex: u32) -> u32 {
+    vertex.wrapping_mul(0x9E37_79B1)
+}
+
+/// The notch of largest concavity.
 fn witness(boundary: &Boundary, chain: &[u32], concavity: &mut [f64]) -> Option<Witness> {
     let mut best: Option<Witness> = None;
     for &corner in &chain[1..chain.len() - 1] {
@@ -71,7 +77,8 @@ fn witness(boundary: &Boundary, chain: &[u32], concavity: &mut [f64]) -> Option<
         let better = best.is_none_or(|b| {
             value > b.value
                 || (value == b.value
-                    && boundary.vertex[corner as usize] < boundary.vertex[b.corner as usize])
+                    && scattered(boundary.vertex[corner as usize])
+                        < scattered(boundary.vertex[b.corner as usize]))
         });
         if better && boundary.is_notch(corner) {
             best = Some(Witness { value, corner });

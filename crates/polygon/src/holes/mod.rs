@@ -113,21 +113,28 @@ fn nearest(
 ) -> Option<Link> {
     let eye = boundary.point(from);
     let mut best: Option<Link> = None;
-    visibility::from_corner(&arrangement.cdt, boundary, from, |vertex, length| {
-        let limit = best.map_or(f64::INFINITY, |b| b.length);
-        if length > limit {
-            return limit;
-        }
-        if let Some(to) = boundary.facing(vertex, eye).filter(|&c| wanted(c)) {
-            let closer = best.is_none_or(|b| {
-                (length, boundary.vertex[to as usize]) < (b.length, boundary.vertex[b.to as usize])
-            });
-            if closer {
-                best = Some(Link { length, from, to });
+    visibility::from_corner(
+        &arrangement.cdt,
+        boundary,
+        from,
+        |_, _| true,
+        |vertex, length| {
+            let limit = best.map_or(f64::INFINITY, |b| b.length);
+            if length > limit {
+                return limit;
             }
-        }
-        best.map_or(f64::INFINITY, |b| b.length)
-    });
+            if let Some(to) = boundary.facing(vertex, eye).filter(|&c| wanted(c)) {
+                let closer = best.is_none_or(|b| {
+                    (length, boundary.vertex[to as usize])
+                        < (b.length, boundary.vertex[b.to as usize])
+                });
+                if closer {
+                    best = Some(Link { length, from, to });
+                }
+            }
+            best.map_or(f64::INFINITY, |b| b.length)
+        },
+    );
     best
 }
 
