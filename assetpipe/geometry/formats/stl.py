@@ -75,7 +75,12 @@ def _read_binary(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
 def _read_ascii(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
     rows = list(_VERTEX.finditer(data))
     limits.check("faces", len(rows) // 3, path)
-    values = floats(b" ".join(row[1] for row in rows), "vertex", Location(path))
+    try:
+        values = np.array(b" ".join(row[1] for row in rows).split(), dtype=np.float64)
+    except ValueError:
+        for row in rows:
+            floats(row[1], "vertex", Location(path, _line(data, row.start())))
+        raise
     ends = np.array([end.start() for end in _END.finditer(data)], dtype=np.int64)
     starts = np.array([row.start() for row in rows], dtype=np.int64)
     corners = np.diff(np.searchsorted(starts, ends), prepend=0)
