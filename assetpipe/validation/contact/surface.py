@@ -8,9 +8,9 @@ FCL answers some questions well and others badly; what is asked here was measure
   separations up to 15% too large at any scale, with both solvers.
 - Triangle against triangle (``BVHModel`` on both sides) is a closed form: exact to
   rounding, but for an absolute 1e-6.
-- Sphere against triangle answers yes or no rightly, but its distance is sometimes
-  "contact" for spheres centimetres away from long triangles (about 1 in 100 on hulls
-  of plates): a sphere's separation is taken from its centre instead.
+- Sphere against triangle answers yes or no rightly, but its distance to a triangle
+  without area is zero for spheres centimetres away: a sphere's separation is taken from
+  its centre instead.
 
 So both sides are triangle meshes or spheres here, in units in which the diagonal is
 :data:`UNITS`; ``fcl.Convex`` serves penetration depth only, which nothing else gives.

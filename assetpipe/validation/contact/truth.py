@@ -279,7 +279,7 @@ def _separation(surface: Surface, probe: Probe, placed: Any, centre_distance: fl
     """Metres between a probe and a surface that do not meet.
 
     A sphere's is its centre's distance less its radius: FCL's own distance from a sphere
-    to long triangles says contact for spheres that its yes/no query rightly calls free.
+    to a triangle without area is zero, however far away the sphere is.
     """
     if probe.kind == "sphere":
         return max(0.0, float(centre_distance) - probe.size)

@@ -1,4 +1,4 @@
-"""FCL's sphere–mesh distance is wrong on long triangles; ours must not be."""
+"""FCL's sphere–mesh distance is zero where a triangle has no area; ours must not be."""
 
 import numpy as np
 
@@ -15,7 +15,16 @@ def plate(size, centre):
     return Mesh(corners * np.asarray(size) / 2 + np.asarray(centre), faces)
 
 
-def test_exact_hulls_of_long_plates_have_no_clearance_error():
+def with_collinear_vertex(mesh):
+    """The same box with a vertex in the middle of an edge, joined by a face without area."""
+    middle = (mesh.vertices[0] + mesh.vertices[1]) / 2
+    faces = [f for f in mesh.faces.tolist() if f != [0, 5, 1]]
+    return Mesh(
+        np.vstack([mesh.vertices, middle]), np.array([*faces, [0, 5, 8], [8, 5, 1], [0, 8, 1]])
+    )
+
+
+def test_exact_hulls_of_plates_have_no_clearance_error():
     plates = [
         plate((0.36, 0.45, 0.01), (0.0, 0.0, 0.005)),
         plate((0.36, 0.01, 0.2), (0.0, 0.22, 0.11)),
@@ -25,6 +34,7 @@ def test_exact_hulls_of_long_plates_have_no_clearance_error():
         np.vstack([p.vertices for p in plates]),
         np.vstack([p.faces + 8 * k for k, p in enumerate(plates)]),
     )
-    truth = contact_truth(joined, plates, 0.007, samples=1500, seed=3)
+    hulls = [with_collinear_vertex(p) for p in plates]
+    truth = contact_truth(joined, hulls, 0.007, samples=1500, seed=3)
     assert truth.beyond.count == 0
     assert truth.clearance_error.greatest < 1e-8
