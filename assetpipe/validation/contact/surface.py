@@ -6,11 +6,10 @@ FCL answers some questions well and others badly; what is asked here was measure
   about 1e-4 in the separation. Shapes of a millimetre get answers wrong by 30%, and
   the second solver (``GST_INDEP``) even a wrong yes/no. Axis-aligned polytopes get
   separations up to 15% too large at any scale, with both solvers.
-- Triangle against triangle (``BVHModel`` on both sides) is a closed form: exact to
-  rounding, but for an absolute 1e-6.
-- Sphere against triangle answers yes or no rightly, but its distance to a triangle
-  without area is zero for spheres centimetres away: a sphere's separation is taken from
-  its centre instead.
+- Triangle against triangle (``BVHModel`` on both sides) and sphere against triangle
+  are closed forms: exact to rounding, but for an absolute 1e-6 in triangle pairs.
+- A triangle without area touches spheres that are centimetres away. Such triangles
+  are left out; their edges belong to their neighbours as well.
 
 So both sides are triangle meshes or spheres here, in units in which the diagonal is
 :data:`UNITS`; ``fcl.Convex`` serves penetration depth only, which nothing else gives.
@@ -34,6 +33,10 @@ UNITS = 1000.0
 """Diagonal of the geometry in FCL's units (see the module's text)."""
 
 
+SLIVER = 1e-9
+"""Height over longest edge below which a triangle counts as one without area."""
+
+
 class ConvexShape(Protocol):
     """Anything with ``vertices`` (k, 3) and outward ``faces`` (f, 3), such as a hull."""
 
@@ -49,9 +52,18 @@ def bvh_geometry(vertices: FloatArray, faces: IntArray) -> Any:
 
     if not len(faces):
         raise MeshError("a mesh without faces has no surface to touch")
+    points = np.asarray(vertices, dtype=np.float64)
+    solid = np.asarray(faces, dtype=np.int64)
+    corners = points[solid]
+    edges = corners - np.roll(corners, 1, axis=1)
+    longest = (edges**2).sum(axis=2).max(axis=1)
+    doubled = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    solid = solid[doubled > SLIVER * longest]
+    if not len(solid):
+        raise MeshError("no face of the mesh has an area")
     model = fcl.BVHModel()
-    model.beginModel(len(faces), len(vertices))
-    model.addSubModel(np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int64))
+    model.beginModel(len(solid), len(points))
+    model.addSubModel(points, solid)
     model.endModel()
     return model
 

@@ -258,32 +258,19 @@ def _ask(
     # A probe that meets no surface is wholly inside or wholly outside, so its centre tells.
     inside_solid = solid.winding(centres) > 0.5
     inside_hulls = outside_hulls(centres, hulls) < 0.0
-    solid_far, hulls_far = solid.distances(centres), joined.distances(centres)
     depths = _Depths(hulls, probes, frame)
     solid_clear, hull_clear, depth = (np.zeros(len(poses)) for _ in range(3))
     for i, pose in enumerate(poses):
         mover = movers[pose.probe]
         placed = fcl.Transform(pose.rotation, frame.points(pose.position))
         mover.setTransform(placed)
-        probe = probes[pose.probe]
         if not (inside_solid[i] or solid.crosses(mover)):
-            solid_clear[i] = _separation(solid, probe, mover, solid_far[i])
+            solid_clear[i] = solid.gap(mover)
         if not (inside_hulls[i] or joined.crosses(mover)):
-            hull_clear[i] = _separation(joined, probe, mover, hulls_far[i])
+            hull_clear[i] = joined.gap(mover)
         elif solid_clear[i] > 0.0:
             depth[i] = depths.of(pose, placed)
     return _Answers(solid_clear, hull_clear, depth)
-
-
-def _separation(surface: Surface, probe: Probe, placed: Any, centre_distance: float) -> float:
-    """Metres between a probe and a surface that do not meet.
-
-    A sphere's is its centre's distance less its radius: FCL's own distance from a sphere
-    to a triangle without area is zero, however far away the sphere is.
-    """
-    if probe.kind == "sphere":
-        return max(0.0, float(centre_distance) - probe.size)
-    return surface.gap(placed)
 
 
 class _Depths:

@@ -1,4 +1,4 @@
-"""FCL's sphere–mesh distance is zero where a triangle has no area; ours must not be."""
+"""FCL lets a triangle without area touch spheres far away; the contact truth must not."""
 
 import numpy as np
 
