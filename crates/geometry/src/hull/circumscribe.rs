@@ -47,7 +47,7 @@ pub(super) fn circumscribe(hull: &Mesh, max_vertices: usize) -> Result<Mesh, Hul
             .collect();
         around = next;
     }
-    enclose(hull, around)
+    enclose(hull, &around)
 }
 
 /// The corners of a box along the axes, or of a tetrahedron if eight are too many.
@@ -57,13 +57,24 @@ fn start(hull: &Mesh, max_vertices: usize, margin: f64) -> Vec<DVec3> {
         let low = DVec3::AXES.map(|axis| -support(hull, -axis) - margin);
         return (0..8)
             .map(|corner| {
-                let pick = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
+                let pick = |axis: usize| {
+                    if corner >> axis & 1 == 1 {
+                        high[axis]
+                    } else {
+                        low[axis]
+                    }
+                };
                 DVec3::new(pick(0), pick(1), pick(2))
             })
             .collect();
     }
-    let normals = [(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)]
-        .map(DVec3::from);
+    let normals = [
+        (1.0, 1.0, 1.0),
+        (1.0, -1.0, -1.0),
+        (-1.0, 1.0, -1.0),
+        (-1.0, -1.0, 1.0),
+    ]
+    .map(DVec3::from);
     let offsets = normals.map(|n| support(hull, n) + 2.0 * margin);
     (0..4)
         .map(|left_out| {
@@ -76,7 +87,10 @@ fn start(hull: &Mesh, max_vertices: usize, margin: f64) -> Vec<DVec3> {
 
 /// Largest `normal · x` over the hull.
 fn support(hull: &Mesh, normal: DVec3) -> f64 {
-    hull.vertices.iter().map(|v| normal.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
+    hull.vertices
+        .iter()
+        .map(|v| normal.dot(*v))
+        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 fn distances(hull: &Mesh, points: &[DVec3]) -> Vec<(f64, DVec3)> {
@@ -85,21 +99,32 @@ fn distances(hull: &Mesh, points: &[DVec3]) -> Vec<(f64, DVec3)> {
 
 /// Distance of an outer point, and the hull's nearest point.
 fn distance(hull: &Mesh, p: DVec3) -> (f64, DVec3) {
-    let feet = hull.faces().map(|corners| Triangle::new(corners).closest(p));
+    let feet = hull
+        .faces()
+        .map(|corners| Triangle::new(corners).closest(p));
     feet.map(|foot| (foot.distance(p), foot))
-        .fold((f64::INFINITY, p), |best, next| if next.0 < best.0 { next } else { best })
+        .fold((f64::INFINITY, p), |best, next| {
+            if next.0 < best.0 {
+                next
+            } else {
+                best
+            }
+        })
 }
 
 /// Widens `around` until it contains every vertex of `hull` exactly.
-fn enclose(hull: &Mesh, around: Mesh) -> Result<Mesh, HullError> {
+fn enclose(hull: &Mesh, around: &Mesh) -> Result<Mesh, HullError> {
     let centre = hull.vertices.iter().sum::<DVec3>() / hull.vertices.len() as f64;
     let mut widened = around.clone();
     let mut growth = f64::EPSILON;
     // Doubling reaches any size in fewer steps than an exponent has values.
     while !contains(&widened, hull)? {
         growth *= 2.0;
-        let vertices: Vec<DVec3> =
-            around.vertices.iter().map(|v| *v + (*v - centre) * growth).collect();
+        let vertices: Vec<DVec3> = around
+            .vertices
+            .iter()
+            .map(|v| *v + (*v - centre) * growth)
+            .collect();
         widened = convex_hull(&vertices)?;
     }
     Ok(widened)
@@ -107,6 +132,11 @@ fn enclose(hull: &Mesh, around: Mesh) -> Result<Mesh, HullError> {
 
 /// Whether a hull contains another: exactly if nothing of the other is extreme.
 pub(super) fn contains(outer: &Mesh, inner: &Mesh) -> Result<bool, HullError> {
-    let both: Vec<DVec3> = outer.vertices.iter().chain(&inner.vertices).copied().collect();
+    let both: Vec<DVec3> = outer
+        .vertices
+        .iter()
+        .chain(&inner.vertices)
+        .copied()
+        .collect();
     Ok(convex_hull(&both)?.vertices == outer.vertices)
 }

@@ -44,8 +44,11 @@ impl Growing {
         self.vertex_count
     }
 
-    pub(super) fn is_vertex(&self, point: u32) -> bool {
-        self.facet_at[point as usize] != NONE
+    pub(super) fn is_edge(&self, a: u32, b: u32) -> bool {
+        [a, b].iter().all(|v| self.facet_at[*v as usize] != NONE)
+            && self
+                .star(a)
+                .any(|(f, i)| self.builder.facets[f as usize].corners[(i + 1) % 3] == b)
     }
 
     pub(super) fn at(&self, point: u32) -> DVec3 {
@@ -107,8 +110,11 @@ impl Growing {
         let added = self.points.len() as u32;
         self.points.push(point);
         self.builder.make_room(self.points.len());
-        let mut work =
-            Work { points: &self.points, extent: self.extent, builder: &mut self.builder };
+        let mut work = Work {
+            points: &self.points,
+            extent: self.extent,
+            builder: &mut self.builder,
+        };
         if !around.iter().all(|&f| work.height(f, added).is_some()) {
             self.points.pop();
             return None;
@@ -116,7 +122,13 @@ impl Growing {
         work.see(around[0], added);
         work.cone(added);
         self.facet_at.push(NONE);
-        let Builder { facets, free, visible, fresh, .. } = &mut self.builder;
+        let Builder {
+            facets,
+            free,
+            visible,
+            fresh,
+            ..
+        } = &mut self.builder;
         for &hidden in visible.iter() {
             for corner in facets[hidden as usize].corners {
                 let facet = &mut self.facet_at[corner as usize];

@@ -14,7 +14,7 @@ mod validate;
 use glam::DVec3;
 
 pub use quickhull::Builder;
-pub use simplify::{simplify_outward, SimplifyError};
+pub use simplify::{simplify_outward, simplify_within, SimplifyError};
 pub use validate::{check_convex, ConvexityDefect};
 
 use crate::mesh::Mesh;

@@ -112,7 +112,10 @@ mod tests {
             let mut constraints: Vec<Constraint> = (0..12)
                 .map(|_| {
                     let normal = random.on_sphere();
-                    Constraint { normal, offset: normal.dot(inside) - random.unit() }
+                    Constraint {
+                        normal,
+                        offset: normal.dot(inside) - random.unit(),
+                    }
                 })
                 .collect();
             let objective = random.on_sphere();
@@ -128,7 +131,8 @@ mod tests {
                 for j in 0..i {
                     for k in 0..j {
                         let [a, b, c] = [i, j, k].map(|i| constraints[i]);
-                        let matrix = glam::DMat3::from_cols(a.normal, b.normal, c.normal).transpose();
+                        let matrix =
+                            glam::DMat3::from_cols(a.normal, b.normal, c.normal).transpose();
                         let p = matrix.inverse() * DVec3::new(a.offset, b.offset, c.offset);
                         if p.is_finite() && p.abs().max_element() < 1e3 && slack(p) > -1e-9 {
                             assert!(objective.dot(x) < objective.dot(p) + 1e-6);

@@ -6,11 +6,12 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 
 use super::circumscribe::circumscribe;
-use super::program::{minimise, Constraint};
 use super::growing::Growing;
+use super::program::{minimise, Constraint};
 use super::{convex_hull, HullError};
 use crate::distance::Triangle;
 use crate::mesh::Mesh;
+use crate::properties;
 use crate::tolerance::Rounding;
 
 /// Why there is no simpler polytope around a hull.
@@ -34,10 +35,9 @@ pub enum SimplifyError {
 /// Greedy: the edge whose collapse reaches least far outward is replaced by
 /// the point beyond all faces around it that adds the least volume (a linear
 /// program; Sander et al., *Silhouette clipping*, 2000, §3.1, call such a
-/// sequence progressive hulls). Where no edge can be collapsed, or few
-/// vertices of many are wanted, the polytope grows from a box by supporting
-/// planes instead. A hull that has no more vertices comes back as it is (in
-/// canonical form).
+/// sequence progressive hulls). Where no edge is left to collapse, the
+/// polytope grows from a box by supporting planes instead. A hull that has no
+/// more vertices comes back as it is (in canonical form).
 ///
 /// # Errors
 /// [`SimplifyError`] for fewer than four vertices or flat input.
@@ -46,36 +46,59 @@ pub fn simplify_outward(hull: &Mesh, max_vertices: usize) -> Result<Mesh, Simpli
         return Err(SimplifyError::TooFew { max_vertices });
     }
     let hull = convex_hull(&hull.vertices)?;
-    if hull.vertices.len() <= max_vertices {
-        return Ok(hull);
-    }
-    match collapse(&hull, max_vertices)? {
-        Some(simpler) => Ok(simpler),
-        None => Ok(circumscribe(&hull, max_vertices)?),
+    let collapsed = collapse(&hull, max_vertices, f64::INFINITY)?;
+    if collapsed.vertices.len() <= max_vertices {
+        Ok(collapsed)
+    } else {
+        Ok(circumscribe(&hull, max_vertices)?)
     }
 }
 
-/// Collapses edges until the count is met; nothing if no edge is left to collapse.
-fn collapse(hull: &Mesh, max_vertices: usize) -> Result<Option<Mesh>, HullError> {
+/// A convex polytope with few vertices that contains the convex hull of
+/// `hull`'s vertices and reaches at most `reach` beyond it (the Hausdorff
+/// distance, measured at its vertices, where it is attained; up to rounding).
+/// As [`simplify_outward`] otherwise.
+///
+/// # Errors
+/// [`HullError`] for flat input.
+pub fn simplify_within(hull: &Mesh, reach: f64) -> Result<Mesh, HullError> {
+    collapse(&convex_hull(&hull.vertices)?, 4, reach)
+}
+
+/// Collapses edges until the count is met, or no edge is left to collapse
+/// whose point would be within `reach`.
+fn collapse(hull: &Mesh, max_vertices: usize, reach: f64) -> Result<Mesh, HullError> {
+    if hull.vertices.len() <= max_vertices {
+        return Ok(hull.clone());
+    }
     let rounding = Rounding::of(hull);
-    let (low, high) = crate::properties::bounds(hull).unwrap_or_default();
-    // Every collapse adds one point and removes at least two.
-    let reach = (high - low).max_element();
-    let mut growing = Growing::new(&hull.vertices, 2.0 * reach)?;
-    let mut stars = vec![0; 2 * hull.vertices.len()];
-    let mut state = Collapse { reach, lift: 16.0 * rounding.crossing(), queue: BinaryHeap::new() };
+    let (low, high) = properties::bounds(hull).unwrap_or_default();
+    let size = (high - low).max_element();
+    let mut growing = Growing::new(&hull.vertices, 3.0 * size)?;
+    let mut pricing = Pricing {
+        within: Within { hull, reach },
+        size,
+        lift: 16.0 * rounding.crossing(),
+        // Every collapse adds one point and removes at least two.
+        changes: vec![0; 2 * hull.vertices.len()],
+        queue: BinaryHeap::new(),
+    };
     for (a, b) in growing.edges() {
-        state.consider(&growing, &stars, a, b);
+        pricing.consider(&growing, a, b);
     }
     while growing.vertex_count() > max_vertices {
-        let Some(candidate) = state.queue.pop() else {
-            return Ok(None);
+        let Some(candidate) = pricing.queue.pop() else {
+            break;
         };
         let (a, b) = candidate.edge;
-        let is_current = stars[a as usize] + stars[b as usize] == candidate.age
-            && growing.is_vertex(a)
-            && growing.is_vertex(b);
-        if !is_current {
+        if !growing.is_edge(a, b) {
+            continue;
+        }
+        if pricing.age(a, b) != candidate.age {
+            pricing.consider(&growing, a, b);
+            continue;
+        }
+        if !pricing.within.contains(candidate.point) {
             continue;
         }
         let Some(added) = growing.replace(a, b, candidate.point) else {
@@ -83,33 +106,49 @@ fn collapse(hull: &Mesh, max_vertices: usize) -> Result<Option<Mesh>, HullError>
         };
         let neighbours = growing.neighbours(added);
         for &n in &neighbours {
-            stars[n as usize] += 1;
+            // Prices of edges out there are old now; they are renewed when it is their turn.
+            pricing.changes[n as usize] += 1;
         }
-        // The neighbours' stars have changed, so all their edges have.
-        let mut changed: Vec<(u32, u32)> = neighbours
-            .iter()
-            .flat_map(|&n| growing.neighbours(n).into_iter().map(move |m| (n.min(m), n.max(m))))
-            .collect();
-        changed.sort_unstable();
-        changed.dedup();
-        for (a, b) in changed {
-            state.consider(&growing, &stars, a, b);
+        for &n in &neighbours {
+            pricing.consider(&growing, n, added);
         }
     }
-    Ok(Some(growing.finish()))
+    Ok(growing.finish())
 }
 
-struct Collapse {
-    /// How far a new point may lie from its edge.
+/// The points near a hull.
+struct Within<'a> {
+    hull: &'a Mesh,
     reach: f64,
+}
+
+impl Within<'_> {
+    fn contains(&self, point: DVec3) -> bool {
+        let reach2 = self.reach * self.reach;
+        let near = |corners| Triangle::new(corners).distance2(point) <= reach2;
+        self.reach.is_infinite() || self.hull.faces().any(near)
+    }
+}
+
+/// What collapses cost.
+struct Pricing<'a> {
+    within: Within<'a>,
+    /// Of the hull: no new point lies farther out.
+    size: f64,
     /// How far beyond the faces a new point must lie for the signs to be certain.
     lift: f64,
+    /// How often the faces around each vertex have changed.
+    changes: Vec<u32>,
     queue: BinaryHeap<Candidate>,
 }
 
-impl Collapse {
+impl Pricing<'_> {
+    fn age(&self, a: u32, b: u32) -> u32 {
+        self.changes[a as usize] + self.changes[b as usize]
+    }
+
     /// Prices the collapse of an edge.
-    fn consider(&mut self, growing: &Growing, stars: &[u32], a: u32, b: u32) {
+    fn consider(&mut self, growing: &Growing, a: u32, b: u32) {
         let faces = growing.faces_around(a, b);
         let base = growing.at(a);
         let mut objective = DVec3::ZERO;
@@ -118,10 +157,15 @@ impl Collapse {
             let [p, q, r] = corners.map(|c| c - base);
             let normal = (q - p).cross(r - p);
             objective += normal;
-            let Some(normal) = normal.try_normalize() else { continue };
-            constraints.push(Constraint { normal, offset: normal.dot(p) + self.lift });
+            let Some(normal) = normal.try_normalize() else {
+                continue;
+            };
+            constraints.push(Constraint {
+                normal,
+                offset: normal.dot(p) + self.lift,
+            });
         }
-        let Some(point) = minimise(objective, &mut constraints, self.reach) else {
+        let Some(point) = minimise(objective, &mut constraints, self.size) else {
             return;
         };
         let point = base + point;
@@ -129,9 +173,15 @@ impl Collapse {
             .iter()
             .map(|corners| Triangle::new(*corners).distance2(point))
             .fold(f64::INFINITY, f64::min);
-        if distance2 < self.reach * self.reach {
-            let age = stars[a as usize] + stars[b as usize];
-            self.queue.push(Candidate { distance2, edge: (a, b), age, point });
+        let farthest = self.size.min(self.within.reach);
+        if distance2 <= farthest * farthest {
+            let age = self.age(a, b);
+            self.queue.push(Candidate {
+                distance2,
+                edge: (a, b),
+                age,
+                point,
+            });
         }
     }
 }
@@ -140,7 +190,7 @@ impl Collapse {
 struct Candidate {
     distance2: f64,
     edge: (u32, u32),
-    /// Changes of the stars at both ends when it was priced.
+    /// [`Pricing::age`] when it was priced.
     age: u32,
     point: DVec3,
 }
@@ -148,7 +198,10 @@ struct Candidate {
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         let ascending = self.distance2.total_cmp(&other.distance2);
-        ascending.then(self.edge.cmp(&other.edge)).then(self.age.cmp(&other.age)).reverse()
+        ascending
+            .then(self.edge.cmp(&other.edge))
+            .then(self.age.cmp(&other.age))
+            .reverse()
     }
 }
 

@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::check;
+use crate::distance::Triangle;
 use crate::hull::circumscribe::contains;
-use crate::hull::{convex_hull, simplify_outward, SimplifyError};
+use crate::hull::{convex_hull, simplify_outward, simplify_within, SimplifyError};
 use crate::mesh::Mesh;
 use crate::properties::volume;
 use crate::sample::Random;
@@ -13,7 +14,10 @@ fn simplified(hull: &Mesh, max_vertices: usize) -> f64 {
     let simple = simplify_outward(hull, max_vertices).unwrap();
     check(&simple.vertices, &simple);
     assert!(simple.vertices.len() <= max_vertices);
-    assert!(contains(&simple, hull).unwrap(), "{max_vertices} vertices do not enclose");
+    assert!(
+        contains(&simple, hull).unwrap(),
+        "{max_vertices} vertices do not enclose"
+    );
     volume(&simple) / volume(hull)
 }
 
@@ -39,7 +43,10 @@ fn balls_in_every_number() {
         for max in [4, 5, 6, 7, 8, 12, 16, 32, 64, 128, n - 1, n, n + 1] {
             let growth = simplified(&hull, max);
             if max >= 8 {
-                assert!(growth <= 1.05 * last, "{n} to {max}: {growth}, fewer gave {last}");
+                assert!(
+                    growth <= 1.05 * last,
+                    "{n} to {max}: {growth}, fewer gave {last}"
+                );
                 last = growth;
             }
         }
@@ -63,7 +70,10 @@ fn prisms_become_prisms_with_fewer_sides() {
     let hull = prism(128);
     for sides in [8, 16, 32] {
         let growth = simplified(&hull, 2 * sides);
-        assert!(growth < 1.0 + 2.5 * (around(sides as f64) - 1.0), "{sides}: {growth}");
+        assert!(
+            growth < 1.0 + 2.5 * (around(sides as f64) - 1.0),
+            "{sides}: {growth}"
+        );
     }
 }
 
@@ -78,15 +88,42 @@ fn boxes_and_tetrahedra_where_no_edge_can_collapse() {
 #[test]
 fn plates_needles_and_distant_hulls() {
     let hull = ball(150, 6);
-    for stretch in [DVec3::new(1.0, 1.0, 1e-6), DVec3::new(1.0, 1e-6, 1e-6), DVec3::splat(1e-6)] {
+    for stretch in [
+        DVec3::new(1.0, 1.0, 1e-6),
+        DVec3::new(1.0, 1e-6, 1e-6),
+        DVec3::splat(1e-6),
+    ] {
         for shift in [0.0, 1e4 * stretch.max_element()] {
-            let vertices: Vec<DVec3> =
-                hull.vertices.iter().map(|v| *v * stretch + shift).collect();
+            let vertices: Vec<DVec3> = hull.vertices.iter().map(|v| *v * stretch + shift).collect();
             let flat = convex_hull(&vertices).unwrap();
             for max in [4, 8, 20, 64] {
                 simplified(&flat, max);
             }
         }
+    }
+}
+
+#[test]
+fn a_reach_is_kept_and_used() {
+    for (hull, few) in [(ball(300, 7), 180), (prism(200), 50)] {
+        for reach in [0.0, 1e-6, 0.02] {
+            let simple = simplify_within(&hull, reach).unwrap();
+            assert!(contains(&simple, &hull).unwrap());
+            let faces: Vec<Triangle> = hull.faces().map(Triangle::new).collect();
+            for v in &simple.vertices {
+                let distance2 = faces
+                    .iter()
+                    .map(|t| t.distance2(*v))
+                    .fold(f64::INFINITY, f64::min);
+                assert!(distance2.sqrt() <= reach + 1e-15, "{distance2}");
+            }
+            assert!(
+                reach < 0.01 || simple.vertices.len() < few,
+                "{}",
+                simple.vertices.len()
+            );
+        }
+        assert_eq!(simplify_within(&hull, 0.0).unwrap(), hull);
     }
 }
 
