@@ -19,6 +19,7 @@ COMMANDS = {
     "validate": "Compare a built robot with its original.",
     "inspect": "Show the health of every mesh.",
     "decompose": "Decompose one mesh.",
+    "tradeoff": "Show what accuracy costs in time.",
     "report": "Show the report of a built package again.",
 }
 """Commands and their one-line help; a command's module is imported when it is called."""

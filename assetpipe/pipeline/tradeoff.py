@@ -198,9 +198,7 @@ def knee(rows: Sequence[Row]) -> int | None:
         wide, high = (x[-1] - x[0]), (y[0] - y[-1])
         if wide <= 0 or high <= 0:
             continue
-        gains = [
-            1.0 - (a - x[0]) / wide - (b - y[-1]) / high for a, b in zip(x, y, strict=True)
-        ]
+        gains = [1.0 - (a - x[0]) / wide - (b - y[-1]) / high for a, b in zip(x, y, strict=True)]
         best = max(range(len(front)), key=lambda k: gains[k])
         return front[best] if gains[best] > 0 else front[len(front) // 2]
     return None
@@ -208,9 +206,7 @@ def knee(rows: Sequence[Row]) -> int | None:
 
 def _beats(a: Row, b: Row) -> bool:
     """Whether a is at least as good as b in error and hulls, and better in one."""
-    return (
-        a.error <= b.error and a.hulls <= b.hulls and (a.error < b.error or a.hulls < b.hulls)
-    )
+    return a.error <= b.error and a.hulls <= b.hulls and (a.error < b.error or a.hulls < b.hulls)
 
 
 def _at(config: Config, setting: Setting) -> Config:

@@ -16,12 +16,17 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
 
     Args:
         request: ``task`` "load": ``urdf`` path and ``probes``, a list of ``{link,
-            centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``.
+            centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``; "cost": see
+            ``bullet_cost``.
     """
     if request["task"] == "scene":
         from assetpipe.validation.dynamics.bullet_scene import simulate
 
         return simulate(request)
+    if request["task"] == "cost":
+        from assetpipe.validation.dynamics.bullet_cost import measure
+
+        return measure(request)
     import pybullet
 
     client = pybullet.connect(pybullet.DIRECT)
