@@ -10,7 +10,7 @@ import numpy as np
 from assetpipe.errors import AssetpipeError
 from assetpipe.geometry.mesh import Mesh
 from assetpipe.pipeline.outcome import MeshOutcome
-from assetpipe.robot import Box, Capsule, Cylinder, MeshShape, Robot, Shape, Sphere
+from assetpipe.robot import Box, Capsule, Cylinder, MeshShape, OtherShape, Robot, Shape, Sphere
 from assetpipe.validation import LinkBody
 
 Outcomes = Mapping[tuple[str, int], MeshOutcome]
@@ -25,11 +25,13 @@ class Bodies:
         before: solids, and shapes that were kept.
         after: hulls, and shapes that were kept.
         convex: hulls in the link's frame, of links that consist of hulls alone.
+        ours: links without a mesh that was kept, which an engine may read otherwise.
     """
 
     before: tuple[LinkBody, ...]
     after: tuple[LinkBody, ...]
     convex: Mapping[str, tuple[Mesh, ...]]
+    ours: frozenset[str]
 
 
 def bodies_of(robot: Robot, outcomes: Outcomes, visual_links: Collection[str]) -> Bodies:
@@ -43,28 +45,33 @@ def bodies_of(robot: Robot, outcomes: Outcomes, visual_links: Collection[str]) -
     before: list[LinkBody] = []
     after: list[LinkBody] = []
     convex: dict[str, tuple[Mesh, ...]] = {}
+    ours: set[str] = set()
     for link in robot.links:
         old: list[Mesh] = []
         new: list[Mesh] = []
-        bound, others = 0.0, 0
+        bound, kinds = 0.0, set()
         for element in link.visuals if link.name in visual_links else link.collisions:
             outcome = outcomes.get((link.name, element.index))
             place = element.link_from_shape
             if outcome is None or outcome.solid is None:
                 kept = kept_mesh(element.shape)
-                others += 1
+                primitive = not isinstance(element.shape, MeshShape | OtherShape)
+                kinds.add("primitive" if primitive else "kept")
                 if kept is not None:
                     old.append(kept.transformed(place))
                     new.append(kept.transformed(place))
                 continue
+            kinds.add("hulls")
             old.append(outcome.solid.transformed(place))
             new += [hull.mesh.transformed(place) for hull in outcome.hulls]
             bound = max([bound, *(hull.thickening[1] for hull in outcome.hulls)])
         before.append(LinkBody(link.name, tuple(old)))
         after.append(LinkBody(link.name, tuple(new), bound))
-        if new and not others:
+        if kinds == {"hulls"}:
             convex[link.name] = tuple(new)
-    return Bodies(tuple(before), tuple(after), convex)
+        if "kept" not in kinds:
+            ours.add(link.name)
+    return Bodies(tuple(before), tuple(after), convex, frozenset(ours))
 
 
 def kept_mesh(shape: Shape) -> Mesh | None:

@@ -88,7 +88,8 @@ def _engine(
     again = read_robot(built).robot
     result = load_in_engine(
         built,
-        {link.name: len(link.collisions) for link in again.links},
+        # Of a mesh that was kept it is not for us to say how many shapes an engine sees.
+        {link.name: len(link.collisions) for link in again.links if link.name in bodies.ours},
         hulls=bodies.convex,
         resolved={
             reference.uri: reference.resolution.path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -103,25 +104,43 @@ def package(tmp_path: Path) -> Path:
 Cli = Callable[..., subprocess.CompletedProcess[str]]
 
 
-@pytest.fixture
-def cli(tmp_path: Path) -> Cli:
-    """Runs the command line in a process of its own, with a cache of its own."""
-
+def run_in(folder: Path, cache: Path) -> Cli:
     def run(*arguments: object, **changes: str) -> subprocess.CompletedProcess[str]:
         environment = {
-            **os.environ,
-            "PYTHONPATH": str(ROOT),
-            "XDG_CACHE_HOME": str(tmp_path / "cache"),
-            **changes,
-        }
+            **os.environ, "PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(cache), **changes
+        }  # fmt: skip
         return subprocess.run(
             [sys.executable, "-m", "assetpipe", *map(str, arguments)],
             capture_output=True,
             text=True,
             check=False,
             env=environment,
-            cwd=tmp_path,
+            cwd=folder,
             timeout=300,
         )
 
     return run
+
+
+@pytest.fixture
+def cli(tmp_path: Path) -> Cli:
+    """Runs the command line in a process of its own, with a cache of its own."""
+    return run_in(tmp_path, tmp_path / "cache")
+
+
+@pytest.fixture(scope="session")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a package ``tiny``, built into ``out`` with ``cache``; not to be changed."""
+    folder = tmp_path_factory.mktemp("once")
+    urdf = write_package(folder / "tiny")
+    done = run_in(folder, folder / "cache")("build", urdf, "-o", "out")
+    assert done.returncode == 0, done.stderr + done.stdout
+    return folder
+
+
+@pytest.fixture
+def workshop(once: Path, tmp_path: Path) -> tuple[Cli, Path, Path]:
+    """The same to be changed: a command line with a filled cache, the URDF, and OUT."""
+    for name in ("tiny", "out", "cache"):
+        shutil.copytree(once / name, tmp_path / name)
+    return run_in(tmp_path, tmp_path / "cache"), tmp_path / "tiny/urdf/tiny.urdf", tmp_path / "out"
