@@ -188,14 +188,12 @@ class _Builder:
 
     def _end(self, _tag: str) -> None:
         item = self._open.pop()
-        at = self._parser.CurrentByteIndex
-        # For an empty-element tag Expat stands at its end or, in other versions, its start.
+        end = tag_end(self._text, item.start)
         inner_end: int | None = None
-        if self._text[at : at + 2] == b"</" and at != item.start:
-            inner_end = at
-            end = self._text.index(b">", at) + 1
-        else:
-            end = tag_end(self._text, item.start)
+        # At the end of <a/> Expat already stands on what follows, which may be another "</".
+        if not self._text.endswith(b"/>", item.start, end):
+            inner_end = self._parser.CurrentByteIndex
+            end = self._text.index(b">", inner_end) + 1
         element = Element(
             item.tag,
             item.attributes,
