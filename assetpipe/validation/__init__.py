@@ -1,9 +1,9 @@
 """Proof: contact truth (FCL), self-collision, and physics engines."""
 
 from assetpipe.validation.contact import ContactTruth, contact_truth
+from assetpipe.validation.contact.pairs import LinkBody
 from assetpipe.validation.dynamics import EngineLoad, load_in_engine
 from assetpipe.validation.self_collision import (
-    LinkBody,
     SelfCollisions,
     adjacent_pairs,
     self_collisions,

@@ -181,7 +181,12 @@ def _polygons(hull: ConvexShape) -> list[int]:
 
 
 def insphere_radius(hull: ConvexShape) -> float:
-    """Radius of the largest ball inside a hull, metres.
+    """Radius of the largest ball inside a hull, metres; 0 for a flat one."""
+    return insphere(hull)[1]
+
+
+def insphere(hull: ConvexShape) -> tuple[FloatArray, float]:
+    """Centre (3,) and radius of the largest ball inside a hull, metres.
 
     The Chebyshev centre as a linear program (Boyd & Vandenberghe 2004, §4.3.1):
     maximise r subject to n·x + r ≤ d for every facet.
@@ -189,13 +194,13 @@ def insphere_radius(hull: ConvexShape) -> float:
     from scipy.optimize import linprog
 
     vertices: FloatArray = np.asarray(hull.vertices, dtype=np.float64)
-    centre = vertices.mean(axis=0)
+    centre: FloatArray = vertices.mean(axis=0)
     size = float(np.ptp(vertices, axis=0).max())
     if not size > 0.0:
-        return 0.0
+        return centre, 0.0
     normals, offsets = facet_planes(hull)
     if len(normals) < 4:
-        return 0.0
+        return centre, 0.0
     # Solved in a centred copy of unit size, for the solver's tolerances are absolute.
     right = (offsets - normals @ centre) / size
     answer = linprog(
@@ -205,7 +210,9 @@ def insphere_radius(hull: ConvexShape) -> float:
         bounds=[(None, None)] * 3 + [(0.0, None)],
         method="highs",
     )
-    return float(answer.x[3]) * size if answer.status == 0 else 0.0
+    if answer.status != 0:
+        return centre, 0.0
+    return centre + answer.x[:3] * size, float(answer.x[3]) * size
 
 
 def check_hulls(

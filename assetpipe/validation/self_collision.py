@@ -8,86 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
-from assetpipe.errors import UsageError, unknown_name
+from assetpipe.errors import UsageError
 from assetpipe.findings import Finding, Severity
-from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
-from assetpipe.validation.contact.surface import UNITS, bvh_geometry
-
-Pair = tuple[str, str]
-
-
-@dataclass(frozen=True, eq=False)
-class LinkBody:
-    """A link's collision geometry in its own frame.
-
-    Attributes:
-        link: name.
-        shapes: closed meshes in the link's frame, metres: the original's shapes, or
-            one mesh a hull. A link without shapes touches nothing.
-        certificate: metres by which the shapes may reach beyond the original's; 0 for
-            the original itself.
-    """
-
-    link: str
-    shapes: tuple[Mesh, ...]
-    certificate: float = 0.0
-
-    @cached_property
-    def vertices(self) -> FloatArray:
-        """(n, 3) of all shapes."""
-        if not self.shapes:
-            return np.zeros((0, 3))
-        return np.vstack([m.vertices for m in self.shapes])
-
-    @cached_property
-    def faces(self) -> IntArray:
-        """(m, 3) of all shapes, into :attr:`vertices`."""
-        if not self.shapes:
-            return np.zeros((0, 3), dtype=np.int64)
-        starts = np.cumsum([0, *(len(m.vertices) for m in self.shapes[:-1])])
-        return np.vstack([m.faces + s for m, s in zip(self.shapes, starts, strict=True)])
-
-    @cached_property
-    def ball(self) -> tuple[FloatArray, float]:
-        """Centre (3,) and radius of a ball around the body, link frame."""
-        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
-        centre = (low + high) / 2.0
-        return centre, float(np.linalg.norm(self.vertices - centre, axis=1).max())
-
-    @cached_property
-    def seeds(self) -> FloatArray:
-        """(k, 3) one vertex of every connected component: tells whether it lies inside."""
-        from scipy.sparse import coo_matrix
-        from scipy.sparse.csgraph import connected_components
-
-        merged, index = np.unique(self.vertices, axis=0, return_inverse=True)
-        index = index.ravel()
-        f = index[self.faces]
-        rows, columns = np.hstack([f[:, 0], f[:, 1]]), np.hstack([f[:, 1], f[:, 2]])
-        graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(merged),) * 2)
-        _, label = connected_components(graph, directed=False)
-        used = np.unique(f)
-        _, first = np.unique(label[used], return_index=True)
-        seeds: FloatArray = merged[used[first]]
-        return seeds
-
-    def contains(self, points: FloatArray) -> bool:
-        """Whether any of the points (k, 3), link frame, lies inside the body."""
-        import igl
-
-        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
-        near = points[((points > low) & (points < high)).all(axis=1)]
-        if not len(near):
-            return False
-        number = igl.fast_winding_number(self.vertices, self.faces, np.ascontiguousarray(near))
-        return bool((np.asarray(number) > 0.5).any())
+from assetpipe.validation.contact.pairs import LinkBody, Pair, PairQueries
 
 
 @dataclass(frozen=True)
@@ -224,79 +152,6 @@ def _pair(a: str, b: str) -> Pair:
     return (a, b) if a <= b else (b, a)
 
 
-class PairQueries:
-    """Contact and separation between the links of one robot (FCL, scaled units)."""
-
-    def __init__(self, bodies: Sequence[LinkBody]) -> None:
-        import fcl
-
-        self._bodies = {b.link: b for b in bodies if b.shapes and len(b.faces)}
-        radii = [b.ball[1] for b in self._bodies.values()]
-        self._scale = UNITS / (2.0 * max(radii)) if radii and max(radii) > 0 else 1.0
-        self._objects = {
-            name: fcl.CollisionObject(bvh_geometry(b.vertices * self._scale, b.faces))
-            for name, b in self._bodies.items()
-        }
-
-    @property
-    def links(self) -> tuple[str, ...]:
-        """Links with geometry, sorted."""
-        return tuple(sorted(self._bodies))
-
-    def place(self, world_from_link: Mapping[str, npt.ArrayLike]) -> dict[str, FloatArray]:
-        """Move every link; the matrices (4, 4), metres."""
-        import fcl
-
-        placed = {}
-        for name, item in self._objects.items():
-            if name not in world_from_link:
-                raise UsageError(unknown_name("link", name, world_from_link))
-            matrix = np.asarray(world_from_link[name], dtype=np.float64)
-            item.setTransform(fcl.Transform(matrix[:3, :3], matrix[:3, 3] * self._scale))
-            placed[name] = matrix
-        return placed
-
-    def may_touch(self, pair: Pair, placed: Mapping[str, FloatArray]) -> bool:
-        """Whether the bounding balls meet."""
-        (ca, ra), (cb, rb) = (self._bodies[n].ball for n in pair)
-        a, b = (placed[n] for n in pair)
-        apart = (a[:3, :3] @ ca + a[:3, 3]) - (b[:3, :3] @ cb + b[:3, 3])
-        return float(np.linalg.norm(apart)) <= ra + rb
-
-    def touch(self, pair: Pair, placed: Mapping[str, FloatArray]) -> bool:
-        """Whether the two solids have a point in common."""
-        import fcl
-
-        if not self.may_touch(pair, placed):
-            return False
-        result = fcl.CollisionResult()
-        first, second = (self._objects[n] for n in pair)
-        fcl.collide(first, second, fcl.CollisionRequest(), result)
-        if result.is_collision:
-            return True
-        a, b = pair
-        return self._holds(a, b, placed) or self._holds(b, a, placed)
-
-    def gap(self, pair: Pair, placed: Mapping[str, FloatArray]) -> float:
-        """Separation of the two surfaces, metres; 0 where they touch."""
-        import fcl
-
-        if self.touch(pair, placed):
-            return 0.0
-        first, second = (self._objects[n] for n in pair)
-        result = fcl.DistanceResult()
-        return max(0.0, float(fcl.distance(first, second, fcl.DistanceRequest(), result))) / (
-            self._scale
-        )
-
-    def _holds(self, outer: str, inner: str, placed: Mapping[str, FloatArray]) -> bool:
-        outer_from_inner = np.linalg.inv(placed[outer]) @ placed[inner]
-        seeds = self._bodies[inner].seeds
-        return self._bodies[outer].contains(
-            seeds @ outer_from_inner[:3, :3].T + outer_from_inner[:3, 3]
-        )
-
-
 def self_collisions(
     before: Sequence[LinkBody],
     after: Sequence[LinkBody],
@@ -325,10 +180,11 @@ def self_collisions(
     home: tuple[list[Pair], list[Pair]] = ([], [])
     count = 0
     for matrices in configurations:
-        was_placed, is_placed = old.place(matrices), new.place(matrices)
+        old.place(matrices)
+        new.place(matrices)
         for pair in asked:
-            was = old.touch(pair, was_placed)
-            now = new.touch(pair, is_placed)
+            was = old.touch(pair)
+            now = new.touch(pair)
             touching[pair] += was
             if count == 0:
                 for side, yes in zip(home, (was, now), strict=True):
@@ -336,7 +192,7 @@ def self_collisions(
                         side.append(pair)
             if was != now:
                 kind = "new" if now else "vanished"
-                gap = old.gap(pair, was_placed) if now else new.gap(pair, is_placed)
+                gap = old.gap(pair) if now else new.gap(pair)
                 changes.setdefault((kind, pair), []).append((count, gap))
         count += 1
     if count == 0:

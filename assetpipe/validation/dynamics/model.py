@@ -17,6 +17,7 @@ import numpy as np
 
 from assetpipe.geometry import write_obj
 from assetpipe.geometry.mesh import FloatArray
+from assetpipe.validation.dynamics.erode import eroded
 from assetpipe.validation.effects.plan import Plan
 from assetpipe.validation.scenes.assets import Inertial, SceneAsset, SceneJoint
 
@@ -25,7 +26,7 @@ LEAST_INERTIA = 1e-9
 
 
 def write_model(
-    asset: SceneAsset, plan: Plan, active: Mapping[str, bool], folder: Path
+    asset: SceneAsset, plan: Plan, active: Mapping[str, bool], folder: Path, *, margin: float
 ) -> dict[str, Any]:
     """Write ``folder/<asset>.urdf``.
 
@@ -33,6 +34,7 @@ def write_model(
         asset: what to write.
         plan: decides shapes and limits.
         active: which joints are simulated, by name; others are welded where they start.
+        margin: metres that the engine adds around every hull; hulls are shrunk by it.
         folder: exists; OBJ files are shared between assets by content.
 
     Returns:
@@ -49,7 +51,7 @@ def write_model(
         for shape in shapes:
             path = folder / f"{shape.digest[:24]}.obj"
             if not path.exists():
-                write_obj(shape, path)
+                write_obj(eroded(shape, margin), path)
             parts.append(
                 f"<collision><geometry><mesh filename={quoteattr(path.name)}/>"
                 "</geometry></collision>"

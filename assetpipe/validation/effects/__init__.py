@@ -1,7 +1,7 @@
 """The effect planner: what a scene needs simulated, and why."""
 
 from assetpipe.validation.effects.plan import EFFECTS, METHODS, Effect, Plan, Role, Setting
-from assetpipe.validation.effects.planner import everything_on, plan
+from assetpipe.validation.effects.planner import Scope, plan
 
 __all__ = [
     "EFFECTS",
@@ -9,7 +9,7 @@ __all__ = [
     "Effect",
     "Plan",
     "Role",
+    "Scope",
     "Setting",
-    "everything_on",
     "plan",
 ]

@@ -19,6 +19,9 @@ from assetpipe.validation.scenes.schema import Scene
 REST = 1.0
 """Seconds that a scene lasts when neither it nor its drive says."""
 
+SAG = 0.01
+"""Metres that a motor may give way where the scene states no limit."""
+
 
 @dataclass(frozen=True, eq=False)
 class Region:
@@ -76,6 +79,14 @@ class Motion:
         asset = self.assets[ref[0]]
         return asset.base != "fixed" or bool(self.moving_joints(asset, ref[1]))
 
+    def turns(self, ref: Ref) -> bool:
+        """Whether a given motion (path or trajectory) may turn a link."""
+        asset = self.assets[ref[0]]
+        path = self.scene.drive.path
+        if path is not None and path.asset == asset.name:
+            return any(any(w.rpy) for w in path.waypoints)
+        return any(j.kind != "prismatic" for j in self.moving_joints(asset, ref[1]))
+
     def together(self, a: Ref, b: Ref) -> bool:
         """Whether two links cannot move relative to each other."""
         if a[0] != b[0]:
@@ -123,6 +134,24 @@ class Motion:
             way = span if math.isfinite(span) else math.pi
         # A motor that has the whole time will hardly need more than twice the mean speed.
         return min(joint.velocity, 4.0 * way / self.seconds)
+
+    def excursion(self, asset: SceneAsset, joint: SceneJoint) -> float | None:
+        """How far a joint leaves its start, rad or m; ``None`` where nothing tells.
+
+        Motors and trajectories tell; a joint that contact or gravity moves does not.
+        """
+        if joint.mimic is not None and joint.mimic[0] in asset.joint:
+            leader, multiplier, _ = joint.mimic
+            way = self.excursion(asset, asset.joint[leader])
+            return None if way is None else abs(multiplier) * way
+        start = asset.positions()[joint.name]
+        trajectory = self.scene.drive.trajectory
+        if trajectory is not None and trajectory.asset == asset.name:
+            return max(abs(v - start) for v in trajectory.joints.get(joint.name, (start,)))
+        motors = self.scene.drive.motors.get(asset.name)
+        if motors is not None and joint.name in motors.targets:
+            return abs(motors.targets[joint.name] - start)
+        return 0.0 if self.held and joint.name not in asset.moving else None
 
     def reach(self, asset_name: str, link: str) -> float:
         """Radius of a ball around the base's origin that a link never leaves, metres."""
@@ -230,6 +259,16 @@ class Motion:
             return Region(points.min(axis=0), points.max(axis=0))
         if len(moving) == 1 and moving[0].kind == "prismatic":
             return self._slid(asset, moving[0], points, frames)
+        ways = [(j, self.excursion(asset, j)) for j in moving]
+        told = [
+            way * (1.0 if j.kind == "prismatic" else self._lever(asset, j, link.name))
+            for j, way in ways
+            if way is not None
+        ]
+        still = Region(points.min(axis=0), points.max(axis=0))
+        if len(told) == len(ways) and sum(told) < self.reach(asset.name, link.name):
+            # A motor gives way under load before it is back: as much as decides the answer.
+            return still.grown(sum(told) + (self.scene.limit or SAG))
         first = moving[0]
         origin = (frames[first.parent] @ first.parent_from_joint)[:3, 3]
         radius = self._lever(asset, first, link.name) + self._slide(asset, first)

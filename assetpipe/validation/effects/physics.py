@@ -17,8 +17,8 @@ from assetpipe.validation.scenes.schema import EffectName, Material
 DEFAULT_FRICTION = 0.5
 """Coulomb coefficient where a scene needs friction and states none."""
 
-MARGIN = 1e-3
-"""Metres of collision margin at most."""
+MARGIN = 5e-3
+"""Metres up to which contacts are looked for at least, where bodies rest on each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +87,8 @@ def decide(name: EffectName, physics: Physics, step: float, travel: float) -> Ef
     """
     if name == "continuous_collision":
         return _continuous_collision(physics, step, travel)
+    if name == "contact_margin":
+        return _contact_margin(physics, step)
     return _RULES[name](physics)
 
 
@@ -250,14 +252,13 @@ def _damping(p: Physics) -> Effect:
     return _on("damping", f"joint '{joint.name}' of '{asset.name}' states {joint.damping:g}")
 
 
-def _contact_margin(p: Physics) -> Effect:
+def _contact_margin(p: Physics, step: float) -> Effect:
     thin = p.thinnest
     if thin is None or not p.pairs:
         return _off("contact_margin", "nothing touches", 0.0)
-    # It thickens both shapes, so it must stay small beside what decides the answer.
-    value = min(MARGIN, thin[0] / 10.0, p.limit / 20.0)
+    value = max(MARGIN, 2.0 * p.speed * step)
     if p.motion.scene.question in ("reach", "clearance", "contact"):
-        return _off("contact_margin", "it would thicken the shapes that are asked about", value)
+        return _off("contact_margin", "nothing is meant to rest on anything", value)
     question = p.motion.scene.question
     if question in ("settle", "hold", "slide"):
         return _on("contact_margin", "contacts that last need to be found a step ahead", value)
@@ -274,5 +275,4 @@ _RULES: Mapping[EffectName, Callable[[Physics], Effect]] = {
     "motors": _motors,
     "self_collision": _self_collision,
     "damping": _damping,
-    "contact_margin": _contact_margin,
 }

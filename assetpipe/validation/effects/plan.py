@@ -108,6 +108,8 @@ class Plan:
         seconds: simulated or swept time; 0 for a static question.
         step: seconds a step; 0 where nothing steps.
         iterations: of the contact solver; 0 where nothing steps.
+        idle_joints: whether joints that nothing drives are welded, or simulated and held
+            by motors.
     """
 
     question: Question
@@ -121,6 +123,7 @@ class Plan:
     seconds: float
     step: Setting
     iterations: Setting
+    idle_joints: Literal["frozen", "held"] = "frozen"
 
     def effect(self, name: EffectName) -> Effect:
         """One effect by name."""
@@ -150,6 +153,7 @@ class Plan:
             "step": self.step.as_dict(),
             "iterations": self.iterations.as_dict(),
             "steps": self.steps,
+            "idle_joints": self.idle_joints,
         }
 
     def explain(self) -> str:

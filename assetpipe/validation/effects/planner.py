@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from itertools import combinations
+from typing import Literal
 
 from assetpipe.errors import ConfigError
 from assetpipe.validation.effects.motion import Motion
@@ -24,12 +25,15 @@ from assetpipe.validation.effects.plan import (
     RoleName,
     Setting,
 )
-from assetpipe.validation.effects.settings import iterations, time_step
+from assetpipe.validation.effects.settings import FINEST, HABIT, iterations, time_step
 from assetpipe.validation.scenes.assets import SceneAsset
 from assetpipe.validation.scenes.schema import EffectName, Scene, Switch
 from assetpipe.validation.self_collision import adjacent_pairs
 
 Pairs = tuple[tuple[Ref, Ref], ...]
+
+
+Scope = Literal["needed", "everything"]
 
 
 def plan(
@@ -38,6 +42,7 @@ def plan(
     *,
     effects: Mapping[EffectName, Switch] | None = None,
     engine: Backend = "bullet",
+    scope: Scope = "needed",
 ) -> Plan:
     """Plan a scene.
 
@@ -46,11 +51,15 @@ def plan(
         assets: by the scene's names, with their geometry.
         effects: overrules scene and planner, effect by effect.
         engine: the physics engine that a dynamic plan uses.
+        scope: ``everything`` decides nothing: all effects on, every joint simulated,
+            every pair, the finest step. It is what the planner is measured against.
 
     Raises:
         ConfigError: the scene names links or joints that its assets do not have.
     """
     overruled: dict[EffectName, Switch] = {**scene.effects, **(effects or {})}
+    if scope == "everything":
+        overruled = dict.fromkeys(EFFECTS, "on")
     asked_on = {name for name, state in overruled.items() if state == "on"}
     _check_names(scene, assets)
     motion = Motion(scene, assets)
@@ -58,12 +67,12 @@ def plan(
     if asked_on and method != "dynamics":
         method = "dynamics"
         why = f"{_names(asked_on)} asked for: that needs a physics world"
-    if method == "dynamics" and "motors" in asked_on:
-        # With motors asked for, joints that nothing drives are held instead of frozen.
-        motion = Motion(scene, assets, held=True)
-    pairs, skipped = _pairs(scene, motion, method)
-    roles = _roles(motion, pairs, method)
+    # With motors asked for, joints that nothing drives are held instead of frozen.
+    held = method == "dynamics" and ("motors" in asked_on or scene.question == "self_collision")
+    motion = Motion(scene, assets, held=held)
+    pairs, skipped = _pairs(scene, motion, method, scope)
     if method != "dynamics":
+        roles = _roles(motion, pairs, method)
         seconds = motion.seconds if method == "sweep" else 0.0
         quiet = tuple(
             Effect(name, "off", _quiet(name, method), overruled=name in overruled)
@@ -86,6 +95,8 @@ def plan(
         )
     physics = Physics(motion, pairs)
     step, travel = time_step(physics)
+    if scope == "everything":
+        step = Setting(FINEST, "the finest: nothing is known")
     decided = tuple(
         _overrule(decide(name, physics, step.value, travel), overruled) for name in EFFECTS
     )
@@ -106,13 +117,11 @@ def plan(
         skipped_pairs=skipped,
         seconds=motion.seconds,
         step=step,
-        iterations=iterations(physics),
+        iterations=iterations(physics)
+        if scope == "needed"
+        else Setting(max(HABIT, iterations(physics).value), "at least the engine's default"),
+        idle_joints="held" if held else "frozen",
     )
-
-
-def everything_on() -> dict[EffectName, Switch]:
-    """Overrules that switch every effect on."""
-    return dict.fromkeys(EFFECTS, "on")
 
 
 def _names(effects: set[EffectName]) -> str:
@@ -207,7 +216,7 @@ def _check_names(scene: Scene, assets: Mapping[str, SceneAsset]) -> None:
 
 
 def _pairs(
-    scene: Scene, motion: Motion, method: Method
+    scene: Scene, motion: Motion, method: Method, scope: Scope
 ) -> tuple[Pairs, tuple[tuple[str, int], ...]]:
     """Pairs that matter, and how many others were left out, by reason."""
     if method == "nothing":
@@ -243,7 +252,7 @@ def _pairs(
             skipped["never move relative to each other"] += 1
         elif method == "sweep" and path is not None and path.asset not in (a[0], b[0]):
             skipped["not on the path"] += 1
-        elif not _meet(regions, a, b):
+        elif scope == "needed" and not _meet(regions, a, b):
             skipped["swept volumes apart"] += 1
         else:
             kept.append((a, b))
@@ -259,6 +268,8 @@ def _meet(regions: Mapping[Ref, object], a: Ref, b: Ref) -> bool:
 
 def _roles(motion: Motion, pairs: Pairs, method: Method) -> tuple[Role, ...]:
     touching = {ref for pair in pairs for ref in pair}
+    for reference in motion.scene.between or ():
+        touching |= set(motion.parts(reference))
     roles = []
     for name, asset in motion.assets.items():
         for link in asset.links:

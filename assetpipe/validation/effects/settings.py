@@ -12,13 +12,19 @@ COARSEST = 1.0 / 120.0
 FINEST = 1.0 / 2000.0
 """Seconds; below that continuous collision is cheaper than smaller steps."""
 
+CORRECTION = 0.2
+"""Share of an error that a constraint takes back in a step (Bullet's ERP)."""
+HABIT = 50.0
+"""Iterations that PyBullet takes when nobody says otherwise."""
+
 
 def time_step(physics: Physics) -> tuple[Setting, float]:
     """The largest step that is small enough, and how far the fastest point goes in it.
 
-    Three bounds: what gravity adds in one step must sink less than a tenth of the
-    limit, g·h² ≤ limit/10; the fastest point should not pass the thinnest part, v·h ≤
-    width; a driven joint must not turn more than a twentieth of a radian, ω·h ≤ 0.05.
+    Four bounds: what gravity adds in one step must sink less than a tenth of the limit,
+    g·h² ≤ limit/10; the fastest point should not pass the thinnest part, v·h ≤ width; a
+    driven joint must not turn more than a twentieth of a radian, ω·h ≤ 0.05; and a driven
+    asset, which lags v·h/ERP behind its path, must lag less than half the limit.
     """
     motion = physics.motion
     bounds = [(COARSEST, "no faster process asks for less than 1/120 s")]
@@ -44,6 +50,13 @@ def time_step(physics: Physics) -> tuple[Setting, float]:
                     f"'{asset}/{link}' in it",
                 )
             )
+    if motion.path_speed > 0.0:
+        bounds.append(
+            (
+                0.5 * physics.limit * CORRECTION / motion.path_speed,
+                f"the path at {motion.path_speed:.3g} m/s is followed to half the limit",
+            )
+        )
     for asset_, joint in physics.joints:
         rate = motion.joint_speed(asset_, joint) if joint.kind != "prismatic" else 0.0
         if rate > 0.0:

@@ -17,7 +17,7 @@ from assetpipe.geometry.mesh import FloatArray
 from assetpipe.validation.dynamics.model import quaternion, write_model
 from assetpipe.validation.dynamics.process import EngineName, run_worker
 from assetpipe.validation.effects.motion import Motion
-from assetpipe.validation.effects.plan import EFFECTS, Plan
+from assetpipe.validation.effects.plan import EFFECTS, Backend, Plan
 from assetpipe.validation.runners.queries import Measured
 from assetpipe.validation.scenes.assets import SceneAsset, SceneJoint, matrix_of
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 GUARD = 0.01
 """Metres that a driven asset may lag behind its path before the path waits for it."""
+MARGINS: Mapping[Backend, float] = {"bullet": 1e-3, "mujoco": 0.0, "fcl": 0.0, "none": 0.0}
+"""Metres that an engine's URDF importer puts around every hull."""
 MOTOR_FORCE = 1e3
 """Newtons or newton metres of a motor whose limit nobody states."""
 
@@ -75,7 +77,7 @@ def scene_request(
     scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan, folder: Path
 ) -> dict[str, Any]:
     """What a worker needs to know, JSON-ready; writes the models into ``folder``."""
-    held = plan.effect("motors").overruled and plan.effect("motors").is_on
+    held = plan.idle_joints == "held"
     motion = Motion(scene, assets, held=held)
     bodies = []
     for asset in assets.values():
@@ -83,7 +85,7 @@ def scene_request(
         roles = {plan.role(asset.name, item.name) for item in asset.links}
         if roles == {"left out"}:
             continue
-        record = write_model(asset, plan, active, folder)
+        record = write_model(asset, plan, active, folder, margin=MARGINS[plan.backend])
         record |= _joint_records(scene, asset, active, held=held)
         record["material"] = asset.material.model_dump()
         bodies.append(record)
@@ -101,6 +103,7 @@ def scene_request(
         "bodies": bodies,
         "pairs": [[*a, *b] for a, b in plan.pairs],
         "path": _path_record(scene, assets) if path is not None and path.asset in loaded else None,
+        "trajectory": _trajectory_record(scene, assets),
         "between": _between(scene, motion) if scene.between else [],
         "configurations": _configurations(scene, assets),
     }
@@ -174,6 +177,21 @@ def _path_record(scene: Scene, assets: Mapping[str, SceneAsset]) -> dict[str, An
         "guard": GUARD,
         "start": stop(base, 0.0),
         "waypoints": [stop(base @ matrix_of(w.xyz, w.rpy), w.at) for w in path.waypoints],
+    }
+
+
+def _trajectory_record(scene: Scene, assets: Mapping[str, SceneAsset]) -> dict[str, Any] | None:
+    trajectory = scene.drive.trajectory
+    if trajectory is None:
+        return None
+    joints = assets[trajectory.asset].joint
+    return {
+        "body": trajectory.asset,
+        "seconds": trajectory.seconds,
+        "joints": {
+            name: {"positions": list(values), "force": _effort(joints[name])}
+            for name, values in trajectory.joints.items()
+        },
     }
 
 

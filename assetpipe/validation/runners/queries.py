@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assetpipe.geometry.mesh import FloatArray
+from assetpipe.validation.runners.swept import swept_gaps
 from assetpipe.validation.runners.world import QueryWorld, key
 from assetpipe.validation.scenes.assets import SceneAsset, matrix_of
 
@@ -44,12 +45,12 @@ def run_queries(scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan) -> M
     """Answer a plan whose method is ``nothing``, ``distance``, ``contact`` or ``sweep``."""
     if plan.method == "nothing":
         return Measured(scene.question != "open", 0.0, "m", {"moved": 0.0})
+    if plan.method == "sweep":
+        return _sweep(scene, assets, plan)
     world = QueryWorld(assets, {ref for pair in plan.pairs for ref in pair})
     if scene.question == "self_collision":
         return _self_collision(scene, assets, plan, world)
-    if plan.method in ("distance", "contact"):
-        return _still(scene, plan, world)
-    return _sweep(scene, assets, plan, world)
+    return _still(scene, plan, world)
 
 
 def _still(scene: Scene, plan: Plan, world: QueryWorld) -> Measured:
@@ -133,10 +134,10 @@ def joints_on_trajectory(scene: Scene, time: float) -> dict[str, float]:
     return positions
 
 
-def _sweep(
-    scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan, world: QueryWorld
-) -> Measured:
-    """Conservative advancement (Mirtich & Canny 1995) over the given motion.
+def _sweep(scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan) -> Measured:
+    """Sweep the given motion: straight sweeps at once, everything else step by step.
+
+    The steps are conservative advancement (Mirtich & Canny 1995).
 
     With d the least separation and v a bound of the closing speed, nothing can touch
     before d/v has passed; so that much is skipped, and contact is never jumped over.
@@ -144,17 +145,23 @@ def _sweep(
     from assetpipe.validation.effects.motion import Motion
 
     motion = Motion(scene, assets)
-    speeds = {pair: motion.speed(pair[0]) + motion.speed(pair[1]) for pair in plan.pairs}
-    path, trajectory = scene.drive.path, scene.drive.trajectory
-
-    def place(time: float) -> None:
-        bases = {path.asset: base_on_path(assets[path.asset], path, time)} if path else {}
-        joints = {trajectory.asset: joints_on_trajectory(scene, time)} if trajectory else {}
-        world.place(joints, bases)
-
+    stops = [_frames_at(scene, assets, time) for time in _corners(scene)]
+    swept = swept_gaps(motion, list(plan.pairs), stops)
+    blocked = [pair for pair, gap in swept.items() if gap <= TOUCHING]
+    # Where a straight sweep meets something, stepping tells when.
+    stepped = [p for p in plan.pairs if p not in swept or p in blocked]
     # A clearance is wanted to a tenth of its tolerance, contact only to the touch.
     fine = 0.1 * scene.expect.tolerance if scene.question == "clearance" else math.inf
-    found = _advance(place, world, plan, speeds, fine)
+    found = _Swept(None, -1.0, {"queries": 0})
+    if stepped:
+        world = QueryWorld(assets, {ref for pair in stepped for ref in pair})
+
+        def place(time: float) -> None:
+            world.place_links(_frames_at(scene, assets, time))
+
+        speeds = {p: motion.speed(p[0]) + motion.speed(p[1]) for p in stepped}
+        found = _advance(place, world, plan.seconds, speeds, fine)
+    found = _joined(found, {p: g for p, g in swept.items() if p not in blocked}, plan.seconds)
     if scene.question == "clearance":
         answer = None if scene.limit is None else found.least >= scene.limit
         return Measured(answer, found.least, "m", found.evidence)
@@ -170,20 +177,60 @@ class _Swept:
     evidence: Mapping[str, Any]
 
 
+def _joined(found: _Swept, swept: Mapping[tuple[Ref, Ref], float], seconds: float) -> _Swept:
+    """Stepped and straight sweeps together."""
+    asked = found.evidence["queries"] + len(swept)
+    if found.touched is not None or not swept:
+        return _Swept(found.touched, found.least, {**found.evidence, "queries": asked})
+    pair, least = min(swept.items(), key=lambda item: item[1])
+    if 0.0 <= found.least <= least:
+        return _Swept(None, found.least, {**found.evidence, "queries": asked})
+    said = {"touched": None, "nearest": [key(pair[0]), key(pair[1])], "at": seconds}
+    return _Swept(None, least, {**said, "of": seconds, "queries": asked})
+
+
+def _corners(scene: Scene) -> list[float]:
+    """Times between which the given motion is straight."""
+    times = {0.0}
+    path, trajectory = scene.drive.path, scene.drive.trajectory
+    if path is not None:
+        times |= {w.at for w in path.waypoints}
+    if trajectory is not None:
+        count = len(next(iter(trajectory.joints.values())))
+        times |= {trajectory.seconds * i / (count - 1) for i in range(count)}
+    return sorted(times)
+
+
+def _frames_at(
+    scene: Scene, assets: Mapping[str, SceneAsset], time: float
+) -> dict[str, FloatArray]:
+    """World-from-link matrices of everything at a time of the given motion."""
+    path, trajectory = scene.drive.path, scene.drive.trajectory
+    frames: dict[str, FloatArray] = {}
+    for name, asset in assets.items():
+        base = base_on_path(asset, path, time) if path and path.asset == name else None
+        follows = trajectory is not None and trajectory.asset == name
+        joints = joints_on_trajectory(scene, time) if follows else None
+        at = asset.frames(joints, base)
+        frames |= {key((name, link)): matrix for link, matrix in at.items()}
+    return frames
+
+
 def _advance(
     place: Callable[[float], None],
     world: QueryWorld,
-    plan: Plan,
+    seconds: float,
     speeds: Mapping[tuple[Ref, Ref], float],
     fine: float,
 ) -> _Swept:
     time, least, nearest, asked = 0.0, math.inf, None, 0
     # For every pair the time before which it cannot touch or beat the least gap.
-    due = dict.fromkeys(plan.pairs, 0.0)
+    due = dict.fromkeys(speeds, 0.0)
     while due:
         place(time)
         for pair in [p for p, when in due.items() if when <= time]:
-            gap = world.gap(*pair)
+            # What starts outside cannot get inside without touching on the way.
+            gap = world.gap(*pair) if time == 0.0 else world.surface_gap(*pair)
             asked += 1
             if gap < least:
                 least, nearest = gap, pair
@@ -194,7 +241,7 @@ def _advance(
                     {
                         "touched": [key(pair[0]), key(pair[1])],
                         "at": time,
-                        "of": plan.seconds,
+                        "of": seconds,
                         "queries": asked,
                     },
                 )
@@ -202,10 +249,10 @@ def _advance(
             if math.isfinite(fine) and speeds[pair] > 0.0:
                 # It may come no nearer than the least before gap - least is used up.
                 pause = max(gap - least, fine) / speeds[pair]
-            due[pair] = time + max(pause, LEAST_ADVANCE * plan.seconds)
-        if time >= plan.seconds:
+            due[pair] = time + max(pause, LEAST_ADVANCE * seconds)
+        if time >= seconds:
             break
-        time = min(*due.values(), plan.seconds)
+        time = min(*due.values(), seconds)
     told = [key(nearest[0]), key(nearest[1])] if nearest else None
     least = least if math.isfinite(least) else -1.0
     return _Swept(
@@ -214,8 +261,8 @@ def _advance(
         {
             "touched": None,
             "nearest": told,
-            "at": plan.seconds,
-            "of": plan.seconds,
+            "at": seconds,
+            "of": seconds,
             "queries": asked,
         },
     )

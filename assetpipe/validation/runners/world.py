@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy.typing as npt
 
 from assetpipe.geometry.mesh import FloatArray
-from assetpipe.validation.self_collision import LinkBody, Pair, PairQueries
+from assetpipe.validation.contact.pairs import LinkBody, Pair, PairQueries
 
 if TYPE_CHECKING:
     from assetpipe.validation.effects.plan import Ref
@@ -25,9 +25,10 @@ class QueryWorld:
 
     def __init__(self, assets: Mapping[str, SceneAsset], refs: set[Ref]) -> None:
         self._assets = assets
-        bodies = [LinkBody(key(ref), assets[ref[0]].link[ref[1]].shapes) for ref in sorted(refs)]
-        self._queries = PairQueries(bodies)
-        self._placed: dict[str, FloatArray] = {}
+        links = [(ref, assets[ref[0]].link[ref[1]]) for ref in sorted(refs)]
+        self._queries = PairQueries(
+            [LinkBody(key(ref), link.shapes, kind=link.kind) for ref, link in links]
+        )
 
     def place(
         self,
@@ -44,15 +45,23 @@ class QueryWorld:
         for name, asset in self._assets.items():
             at = asset.frames((positions or {}).get(name), (bases or {}).get(name))
             frames |= {key((name, link)): matrix for link, matrix in at.items()}
-        self._placed = self._queries.place(frames)
+        self._queries.place(frames)
+
+    def place_links(self, frames: Mapping[str, FloatArray]) -> None:
+        """Move everything; world-from-link matrices (4, 4) by :func:`key`."""
+        self._queries.place(frames)
 
     def touch(self, a: Ref, b: Ref) -> bool:
         """Whether two links have a point in common."""
-        return self._queries.touch(_pair(a, b), self._placed)
+        return self._queries.touch(_pair(a, b))
 
     def gap(self, a: Ref, b: Ref) -> float:
         """Separation in metres; 0 in contact."""
-        return self._queries.gap(_pair(a, b), self._placed)
+        return self._queries.gap(_pair(a, b))
+
+    def surface_gap(self, a: Ref, b: Ref) -> float:
+        """Distance of the surfaces in metres; positive also where one is wholly inside."""
+        return self._queries.surface_gap(_pair(a, b))
 
 
 def _pair(a: Ref, b: Ref) -> Pair:

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from assetpipe.errors import ConfigError, unknown_name
 from assetpipe.geometry.mesh import FloatArray, Mesh
+from assetpipe.validation.contact.pairs import LinkBody
 from assetpipe.validation.scenes.schema import Base, Material, Pose
-from assetpipe.validation.self_collision import LinkBody
 
 JointKind = Literal["fixed", "revolute", "continuous", "prismatic"]
 Round = Literal["sphere", "cylinder", "capsule"]
@@ -75,6 +75,7 @@ class SceneLink:
         certificate: metres by which they may reach beyond the original.
         inertial: ``None`` for a link without mass.
         round_shape: set for a body that can roll.
+        kind: ``hulls`` where every shape is convex.
     """
 
     name: str
@@ -82,11 +83,12 @@ class SceneLink:
     certificate: float = 0.0
     inertial: Inertial | None = None
     round_shape: Round | None = None
+    kind: Literal["surface", "hulls"] = "surface"
 
     @cached_property
     def body(self) -> LinkBody:
         """The link for contact queries."""
-        return LinkBody(self.name, self.shapes, self.certificate)
+        return LinkBody(self.name, self.shapes, self.certificate, self.kind)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ def body_mesh(spec: AssetSpec) -> Mesh:
     if spec.body == "cylinder" and spec.radius is not None and spec.length is not None:
         angles = np.arange(SIDES) * (2.0 * math.pi / SIDES)
         ring = np.column_stack([np.cos(angles), np.sin(angles)]) * _widened(spec.radius)
-        return _hull(
+        return convex_hull(
             np.vstack(
                 [np.column_stack([ring, np.full(SIDES, h * spec.length)]) for h in (-0.5, 0.5)]
             )
@@ -75,10 +75,11 @@ def _turned(radius: float, length: float) -> Mesh:
         points.append(placed)
         if length > 0.0 and row == rows:
             points.append(ring * radius - (0.0, 0.0, 0.5 * length))
-    return _hull(np.vstack(points))
+    return convex_hull(np.vstack(points))
 
 
-def _hull(points: FloatArray) -> Mesh:
+def convex_hull(points: FloatArray) -> Mesh:
+    """The convex hull of points (n, 3) with outward faces; inner points stay unused."""
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(points)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
@@ -39,10 +39,14 @@ _HERE = Path(__file__).resolve()
 
 @dataclass(frozen=True, eq=False)
 class Convexes:
-    """Convex meshes that stand for a solid, and their certificate's upper bound, metres."""
+    """Meshes that stand for a solid, and their certificate's upper bound, metres.
+
+    ``kind`` is ``surface`` where they are the original, which need not be convex.
+    """
 
     shapes: tuple[Mesh, ...]
     certificate: float
+    kind: Literal["surface", "hulls"] = "hulls"
 
 
 class AssetProvider(Protocol):
@@ -101,7 +105,7 @@ def _convex(
     mesh: Mesh, collision: Collision, tolerance: Tolerance, source: AssetProvider
 ) -> Convexes:
     if collision == "original":
-        return Convexes((mesh,), 0.0)
+        return Convexes((mesh,), 0.0, "surface")
     engine: EngineName = "assetpipe" if collision == "built" else collision
     return source.convexes(mesh, engine, tolerance)
 
@@ -128,7 +132,7 @@ def _body(name: str, spec: AssetSpec, scene_file: Path | None, source: AssetProv
     rolls: Round | None = None
     if spec.body in ("sphere", "cylinder", "capsule"):
         rolls = spec.body
-    link = SceneLink("body", found.shapes, found.certificate, inertial, rolls)
+    link = SceneLink("body", found.shapes, found.certificate, inertial, rolls, found.kind)
     return SceneAsset(
         name,
         (link,),
@@ -225,17 +229,19 @@ def _link(
 ) -> SceneLink:
     shapes: list[Mesh] = []
     certificate = 0.0
+    kind: Literal["surface", "hulls"] = "hulls"
     for collision in robot.link(name).collisions:
         found = _shape(robot, collision, spec, source)
         shapes += [m.transformed(collision.link_from_shape) for m in found.shapes]
         certificate = max(certificate, found.certificate)
+        kind = found.kind if found.kind == "surface" else kind
     inertial = extras.inertials.get(name)
     if spec.mass is not None:
         inertial = Inertial.uniform(shapes, spec.mass)
     elif inertial is None or (spec.link is not None and spec.base != "fixed" and not inertial.mass):
         volume = sum(abs(m.volume) for m in shapes)
         inertial = Inertial.uniform(shapes, max(DENSITY * volume, 1e-3))
-    return SceneLink(name, tuple(shapes), certificate, inertial)
+    return SceneLink(name, tuple(shapes), certificate, inertial, kind=kind)
 
 
 def _shape(

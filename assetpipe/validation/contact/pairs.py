@@ -1,0 +1,187 @@
+"""Contact and separation between placed links: exact, in scaled units, inside included."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from assetpipe.errors import UsageError, unknown_name
+from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
+from assetpipe.validation.contact.surface import UNITS, bvh_geometry, facet_planes
+
+Pair = tuple[str, str]
+"""Two link names."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinkBody:
+    """A link's collision geometry in its own frame.
+
+    Attributes:
+        link: name.
+        shapes: closed meshes in the link's frame, metres: the original's shapes, or
+            one mesh a hull. A link without shapes touches nothing.
+        certificate: metres by which the shapes may reach beyond the original's; 0 for
+            the original itself.
+        kind: ``hulls`` where every shape is convex: what is inside is then decided by
+            facets instead of winding numbers, which is exact and much cheaper.
+    """
+
+    link: str
+    shapes: tuple[Mesh, ...]
+    certificate: float = 0.0
+    kind: Literal["surface", "hulls"] = "surface"
+
+    @cached_property
+    def vertices(self) -> FloatArray:
+        """(n, 3) of all shapes."""
+        if not self.shapes:
+            return np.zeros((0, 3))
+        return np.vstack([m.vertices for m in self.shapes])
+
+    @cached_property
+    def faces(self) -> IntArray:
+        """(m, 3) of all shapes, into :attr:`vertices`."""
+        if not self.shapes:
+            return np.zeros((0, 3), dtype=np.int64)
+        starts = np.cumsum([0, *(len(m.vertices) for m in self.shapes[:-1])])
+        return np.vstack([m.faces + s for m, s in zip(self.shapes, starts, strict=True)])
+
+    @cached_property
+    def ball(self) -> tuple[FloatArray, float]:
+        """Centre (3,) and radius of a ball around the body, link frame."""
+        low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
+        centre = (low + high) / 2.0
+        return centre, float(np.linalg.norm(self.vertices - centre, axis=1).max())
+
+    @cached_property
+    def seeds(self) -> FloatArray:
+        """(k, 3) one vertex of every connected component: tells whether it lies inside."""
+        if self.kind == "hulls":
+            return np.array([m.vertices[m.faces[0, 0]] for m in self.shapes])
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.csgraph import connected_components
+
+        merged, index = np.unique(self.vertices, axis=0, return_inverse=True)
+        index = index.ravel()
+        f = index[self.faces]
+        rows, columns = np.hstack([f[:, 0], f[:, 1]]), np.hstack([f[:, 1], f[:, 2]])
+        graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(merged),) * 2)
+        _, label = connected_components(graph, directed=False)
+        used = np.unique(f)
+        _, first = np.unique(label[used], return_index=True)
+        seeds: FloatArray = merged[used[first]]
+        return seeds
+
+    @cached_property
+    def _box(self) -> tuple[FloatArray, FloatArray]:
+        return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    @cached_property
+    def _planes(self) -> list[tuple[FloatArray, FloatArray]]:
+        return [facet_planes(m) for m in self.shapes]
+
+    def contains(self, points: FloatArray) -> bool:
+        """Whether any of the points (k, 3), link frame, lies inside the body."""
+        low, high = self._box
+        near = points[((points > low) & (points < high)).all(axis=1)]
+        if not len(near):
+            return False
+        if self.kind == "hulls":
+            return any(
+                bool(((near @ normals.T - offsets).max(axis=1) < 0.0).any())
+                for normals, offsets in self._planes
+            )
+        import igl
+
+        number = igl.fast_winding_number(self.vertices, self.faces, np.ascontiguousarray(near))
+        return bool((np.asarray(number) > 0.5).any())
+
+
+class PairQueries:
+    """Links of one robot, or of a scene: placed, then asked pair by pair."""
+
+    def __init__(self, bodies: Sequence[LinkBody]) -> None:
+        import fcl
+
+        self._bodies = {b.link: b for b in bodies if b.shapes and len(b.faces)}
+        self._balls = {name: b.ball for name, b in self._bodies.items()}
+        radii = [radius for _, radius in self._balls.values()]
+        self._scale = UNITS / (2.0 * max(radii)) if radii and max(radii) > 0 else 1.0
+        self._objects: dict[str, Any] = {
+            name: fcl.CollisionObject(bvh_geometry(b.vertices * self._scale, b.faces))
+            for name, b in self._bodies.items()
+        }
+        self._placed: dict[str, FloatArray] = {}
+        self._centres: dict[str, list[float]] = {}
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Links with geometry, sorted."""
+        return tuple(sorted(self._bodies))
+
+    def place(self, world_from_link: Mapping[str, npt.ArrayLike]) -> None:
+        """Move every link.
+
+        Args:
+            world_from_link: matrices (4, 4) by link, metres.
+
+        Raises:
+            UsageError: a link has no matrix.
+        """
+        import fcl
+
+        for name, item in self._objects.items():
+            if name not in world_from_link:
+                raise UsageError(unknown_name("link", name, world_from_link))
+            matrix = np.asarray(world_from_link[name], dtype=np.float64)
+            turn, at = matrix[:3, :3], matrix[:3, 3]
+            item.setTransform(fcl.Transform(turn, at * self._scale))
+            self._placed[name] = matrix
+            self._centres[name] = (turn @ self._balls[name][0] + at).tolist()
+
+    def may_touch(self, pair: Pair) -> bool:
+        """Whether the bounding balls meet."""
+        a, b = pair
+        reach = self._balls[a][1] + self._balls[b][1]
+        return math.dist(self._centres[a], self._centres[b]) <= reach
+
+    def touch(self, pair: Pair) -> bool:
+        """Whether the two solids have a point in common."""
+        import fcl
+
+        if not self.may_touch(pair):
+            return False
+        result = fcl.CollisionResult()
+        a, b = pair
+        fcl.collide(self._objects[a], self._objects[b], fcl.CollisionRequest(), result)
+        return bool(result.is_collision) or self._holds(a, b) or self._holds(b, a)
+
+    def gap(self, pair: Pair) -> float:
+        """Separation of the two solids, metres; 0 where they touch."""
+        apart = self.surface_gap(pair)
+        if apart == 0.0 or not self.may_touch(pair):
+            return apart
+        a, b = pair
+        return 0.0 if self._holds(a, b) or self._holds(b, a) else apart
+
+    def surface_gap(self, pair: Pair) -> float:
+        """Distance of the two surfaces, metres: positive also where one is wholly inside."""
+        import fcl
+
+        result = fcl.DistanceResult()
+        first, second = (self._objects[n] for n in pair)
+        apart = float(fcl.distance(first, second, fcl.DistanceRequest(), result))
+        return max(0.0, apart) / self._scale
+
+    def _holds(self, outer: str, inner: str) -> bool:
+        seeds = self._bodies[inner].seeds
+        mine, other = self._placed[outer], self._placed[inner]
+        world = seeds @ other[:3, :3].T + other[:3, 3]
+        return self._bodies[outer].contains((world - mine[:3, 3]) @ mine[:3, :3])
