@@ -3,16 +3,18 @@
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
+use crate::candidates::frame;
 use crate::concavity::{Interval, Limits};
 use crate::control::Control;
 use crate::convex::{check_closed, is_convex};
 use crate::engine::decompose_working;
 use crate::error::DecomposeError;
+use crate::finish::Finish;
 use crate::hierarchy::{build, Node};
 use crate::merge::{volume, Proved};
-use crate::settings::SearchSettings;
+use crate::settings::{FrameChoice, SearchSettings};
 use crate::working::Working;
 
 /// A hull that leaves the engine, in the frame and unit of the input.
@@ -65,17 +67,29 @@ pub fn decompose(
         };
         return Ok(Decomposition { hulls: vec![hull], leaves: 1 });
     }
-    let (working, copy) = Working::new(mesh, DMat3::IDENTITY);
+    let frame = match settings.frame {
+        FrameChoice::Mesh => DMat3::IDENTITY,
+        FrameChoice::Faces => frame::choose(mesh),
+    };
+    let (working, copy) = Working::new(mesh, frame);
     let solid = SolidIndex::new(&copy);
     let cancelled = || control.is_cancelled();
     let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
-    let proved = decompose_working(&copy, &solid, working.length(epsilon), settings, control)?;
-    let leaves = proved.len();
+    // What rounding between the copies may hide is taken off the tolerance.
+    let target = working.length(epsilon - 2.0 * working.rounding());
+    if target <= 0.0 {
+        return Err(DecomposeError::Tolerance { epsilon });
+    }
+    let cover = decompose_working(&copy, &solid, target, settings, control)?;
+    let finish = Finish { working: &working, solid: &solid, epsilon: target, slim: settings.slim, limits: &limits };
+    let finished = cover.hulls.iter().map(|h| finish.run(h, &cover.parts)).collect::<Result<Vec<_>, _>>()?;
+    let leaves = finished.len();
+    let (meshes, proved): (Vec<Mesh>, Vec<Proved>) = finished.into_iter().unzip();
     let nodes = build(&solid, proved, &limits);
     if control.is_cancelled() {
         return Err(DecomposeError::Cancelled);
     }
-    let hulls = nodes.iter().map(|node| output(&working, node)).collect::<Result<_, _>>()?;
+    let hulls = outputs(&working, &nodes, meshes)?;
     control.report(1.0);
     Ok(Decomposition { hulls, leaves })
 }
@@ -103,21 +117,36 @@ fn flat(error: HullError) -> DecomposeError {
     }
 }
 
-fn output(working: &Working, node: &Node) -> Result<Hull, DecomposeError> {
-    let Proved { hull, thickening, .. } = &node.proved;
-    let points: Vec<_> = hull.vertices.iter().map(|&p| working.input(p)).collect();
-    // Rounding on the way back can make a face concave by one unit in the last
-    // place: the hull of the points that are given is exact.
-    let mesh = convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))?;
-    let out = |x: f64| working.input_length(x);
-    Ok(Hull {
-        volume: volume(&mesh),
-        mesh,
-        thickening: Interval {
-            lower: (out(thickening.lower) - working.rounding()).max(0.0),
-            upper: out(thickening.upper) + working.rounding(),
-        },
-        concavity: None,
-        children: node.children,
-    })
+/// The nodes in the frame of the input; `meshes` are the leaves' hulls there.
+fn outputs(working: &Working, nodes: &[Node], meshes: Vec<Mesh>) -> Result<Vec<Hull>, DecomposeError> {
+    let mut hulls: Vec<Hull> = Vec::with_capacity(nodes.len());
+    let mut leaves = meshes.into_iter();
+    for node in nodes {
+        let mesh = match node.children {
+            None => leaves.next().ok_or_else(|| DecomposeError::Internal("a leaf has no hull".into()))?,
+            Some(children) => {
+                let points: Vec<DVec3> =
+                    children.iter().flat_map(|&c| hulls[c as usize].mesh.vertices.iter().copied()).collect();
+                convex_hull(&points).map_err(internal)?
+            }
+        };
+        let out = |x: f64| working.input_length(x);
+        let Interval { lower, upper } = node.proved.thickening;
+        hulls.push(Hull {
+            volume: volume(&mesh),
+            mesh,
+            thickening: Interval {
+                lower: (out(lower) - 2.0 * working.rounding()).max(0.0),
+                upper: out(upper) + 2.0 * working.rounding(),
+            },
+            concavity: None,
+            children: node.children,
+        });
+    }
+    Ok(hulls)
+}
+
+#[allow(clippy::needless_pass_by_value)]
+fn internal(error: HullError) -> DecomposeError {
+    DecomposeError::Internal(error.to_string())
 }

@@ -5,6 +5,7 @@ use assetpipe_geometry::hull::HullError;
 use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
 
+use crate::candidates::flat_faces;
 use crate::concavity::thickening::{decide, Decision};
 use crate::concavity::{Interval, Limits};
 use crate::control::Control;
@@ -21,6 +22,14 @@ use crate::settings::SearchSettings;
 /// More parts than this mean that the tolerance does not fit the solid.
 const MOST_PARTS: usize = 20_000;
 
+/// Hulls that cover the solid, and what they were made from.
+pub struct Cover {
+    /// The hulls; `members` are indices of `parts`.
+    pub hulls: Vec<Proved>,
+    /// The points of each part before merging.
+    pub parts: Vec<Vec<DVec3>>,
+}
+
 /// Decompose a closed solid in its working copy.
 ///
 /// # Errors
@@ -31,7 +40,7 @@ pub fn decompose_working(
     epsilon: f64,
     settings: &SearchSettings,
     control: &Control,
-) -> Result<Vec<Proved>, DecomposeError> {
+) -> Result<Cover, DecomposeError> {
     let cancelled = || control.is_cancelled();
     let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
     let mut frontier = Vec::new();
@@ -44,6 +53,7 @@ pub fn decompose_working(
     let mut open_volume = total_volume;
     let mut witnesses = Vec::new();
     let mut done: Vec<Proved> = Vec::new();
+    let mut parts: Vec<Vec<DVec3>> = Vec::new();
     while !frontier.is_empty() {
         let mut next = Vec::new();
         for part in frontier {
@@ -56,6 +66,7 @@ pub fn decompose_working(
                     // Merging and the hierarchy are about a tenth of the work.
                     control.report(0.9 * (1.0 - open_volume / total_volume));
                     let members = vec![done.len() as u32];
+                    parts.push(part.piece.points);
                     done.push(Proved { hull: part.hull, thickening, members });
                     continue;
                 }
@@ -76,7 +87,7 @@ pub fn decompose_working(
     if cancelled() {
         return Err(DecomposeError::Cancelled);
     }
-    Ok(done)
+    Ok(Cover { hulls: done, parts })
 }
 
 #[allow(clippy::needless_pass_by_value)]
@@ -87,13 +98,18 @@ fn internal(error: HullError) -> DecomposeError {
 /// The plane that cuts a part.
 fn cut(solid: &SolidIndex, part: &Part, epsilon: f64, settings: &SearchSettings) -> Plane {
     let directions: Vec<Basis> = (0..3).map(Basis::axis).collect();
-    let extra = vec![Vec::new(); directions.len()];
+    let flat = |most: usize| -> Vec<Vec<f64>> {
+        let (area, gap) = (settings.face * epsilon * epsilon, 1e-4 * epsilon);
+        directions.iter().map(|b| flat_faces::offsets(&part.piece, b.w, area, gap, most)).collect()
+    };
+    let (extra, extra_second) = (flat(settings.faces), flat(settings.second_faces));
     let samples = forbidden::sample(solid, &part.hull, epsilon, settings.samples);
     let question = Question {
         piece: part.stand_in(settings.fewest),
         forbidden: &samples,
         directions: &directions,
         extra: &extra,
+        extra_second: &extra_second,
         epsilon,
         settings,
     };

@@ -14,7 +14,11 @@ use glam::DVec3;
 
 use crate::concavity::thickening::{decide, Decision};
 use crate::concavity::{Interval, Limits};
-use crate::merge::{half_spaces, Proved};
+use crate::merge::Proved;
+
+/// Bounds of coarser levels are at most about this far apart: they are read,
+/// not searched with.
+const SLACK: f64 = 1.15;
 
 /// A node: a leaf, or the hull of two earlier nodes.
 #[derive(Clone, Debug)]
@@ -87,15 +91,13 @@ fn join(solid: &SolidIndex, nodes: &[Node], i: u32, j: u32, estimate: f64, limit
     let hull = convex_hull(&points(nodes, i as usize, j as usize)).ok()?;
     let (a, b) = (&nodes[i as usize].proved, &nodes[j as usize].proved);
     let mut lower = estimate.max(a.thickening.lower).max(b.thickening.lower);
-    let size = half_spaces(&hull).len();
-    debug_assert!(size >= 4);
-    let mut epsilon = lower.max(1e-6) * 1.02;
+    let mut epsilon = lower.max(1e-6) * SLACK;
     let thickening = loop {
         match decide(solid, &hull, epsilon, limits) {
             Decision::Within(found) => break Interval { lower: lower.max(found.lower), upper: found.upper },
             Decision::Beyond { lower: found, .. } => {
                 lower = lower.max(found);
-                epsilon = lower * 1.04;
+                epsilon = lower * SLACK;
             }
             Decision::Unproven(found) => break Interval { lower: lower.max(found.lower), upper: found.upper },
         }

@@ -1,11 +1,13 @@
 //! Collision-aware approximate convex decomposition of solids.
 
+pub mod candidates;
 pub mod concavity;
 pub mod control;
 pub mod convex;
 pub mod decomposition;
 pub mod engine;
 pub mod error;
+pub mod finish;
 pub mod forbidden;
 pub mod hierarchy;
 pub mod merge;

@@ -29,6 +29,15 @@ pub enum Policy {
     Mcts,
 }
 
+/// The frame of the cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameChoice {
+    /// The axes of the mesh.
+    Mesh,
+    /// From flat faces where that aligns materially more area.
+    Faces,
+}
+
 /// Parameters of the search. Lengths are in units of ε unless said otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchSettings {
@@ -38,6 +47,8 @@ pub struct SearchSettings {
     pub planes: usize,
     /// How many first cuts are looked at a second step deep.
     pub expand: usize,
+    /// How many of these every direction has for sure.
+    pub quota: usize,
     /// Planes an axis for the second cut.
     pub second: usize,
     /// How parts are put together to a value.
@@ -58,6 +69,16 @@ pub struct SearchSettings {
     pub section: f64,
     /// Extents below this get no grid planes.
     pub thinnest: f64,
+    /// Planes of flat faces, at most so many a direction; 0 for none.
+    pub faces: usize,
+    /// Least area of a flat face that offers its plane, in ε².
+    pub face: f64,
+    /// Planes of flat faces for the second cut, likewise.
+    pub second_faces: usize,
+    /// The frame of the cuts.
+    pub frame: FrameChoice,
+    /// How far hulls may reach outward to have fewer vertices.
+    pub slim: f64,
     /// Whether hulls are merged at the end.
     pub merging: bool,
     /// Iterations of MCTS (t).
@@ -74,8 +95,9 @@ impl Default for SearchSettings {
             policy: Policy::Lookahead,
             planes: 20,
             expand: 20,
+            quota: 4,
             second: 8,
-            norm: Norm::Worst,
+            norm: Norm::Sum(1.0),
             excess: 0.1,
             undone: 0.0,
             samples: 2000,
@@ -84,6 +106,11 @@ impl Default for SearchSettings {
             fewest: 150,
             section: 0.05,
             thinnest: 2.5,
+            faces: 12,
+            face: 4.0,
+            second_faces: 6,
+            frame: FrameChoice::Faces,
+            slim: 0.1,
             merging: true,
             iterations: 150,
             depth: 3,
@@ -117,6 +144,15 @@ impl SearchSettings {
             "norm" => {
                 self.norm = if value == "worst" { Norm::Worst } else { Norm::Sum(number(name, value)?) };
             }
+            "frame" => {
+                let known = match value {
+                    "mesh" => Some(FrameChoice::Mesh),
+                    "faces" => Some(FrameChoice::Faces),
+                    _ => None,
+                };
+                self.frame = choice(name, value, known, "mesh, faces")?;
+            }
+            "slim" => self.slim = number(name, value)?,
             "merging" => {
                 let known = match value {
                     "on" => Some(true),
@@ -134,6 +170,7 @@ impl SearchSettings {
             }
             "planes" => self.planes = number(name, value)?,
             "expand" => self.expand = number(name, value)?,
+            "quota" => self.quota = number(name, value)?,
             "second" => self.second = number(name, value)?,
             "excess" => self.excess = number(name, value)?,
             "undone" => self.undone = number(name, value)?,
@@ -142,6 +179,9 @@ impl SearchSettings {
             "fewest" => self.fewest = number(name, value)?,
             "section" => self.section = number(name, value)?,
             "thinnest" => self.thinnest = number(name, value)?,
+            "faces" => self.faces = number(name, value)?,
+            "face" => self.face = number(name, value)?,
+            "second_faces" => self.second_faces = number(name, value)?,
             "iterations" => self.iterations = number(name, value)?,
             "depth" => self.depth = number(name, value)?,
             "seed" => self.seed = number(name, value)?,

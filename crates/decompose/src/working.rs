@@ -8,6 +8,8 @@
 use assetpipe_geometry::Mesh;
 use glam::{DMat3, DVec3};
 
+use crate::candidates::frame::snap;
+
 /// Moves points between the input and the working copy.
 #[derive(Clone, Debug)]
 pub struct Working {
@@ -41,11 +43,12 @@ impl Working {
             // One zero, so that equal points have equal keys.
             q + DVec3::ZERO
         };
-        let work =
+        let mut work =
             Mesh { vertices: mesh.vertices.iter().map(|&p| place(p)).collect(), triangles: mesh.triangles.clone() };
+        let moved = if turned { snap(&mut work) / scale } else { 0.0 };
         let mut known: Vec<(DVec3, DVec3)> = work.vertices.iter().copied().zip(mesh.vertices.iter().copied()).collect();
         known.sort_by(|a, b| order(&a.0, &b.0));
-        let rounding = 8.0 * f64::EPSILON * lo.abs().max(hi.abs()).max_element();
+        let rounding = moved + 16.0 * f64::EPSILON * lo.abs().max(hi.abs()).max_element();
         (Working { centre, scale, work_from_input, known, rounding }, work)
     }
 
@@ -57,6 +60,11 @@ impl Working {
     /// An input length from a working length.
     pub fn input_length(&self, work: f64) -> f64 {
         work / self.scale
+    }
+
+    /// The working point of an input point.
+    pub fn work(&self, input: DVec3) -> DVec3 {
+        self.work_from_input * ((input - self.centre) * self.scale)
     }
 
     /// How far rounding between the copies may move a point, input length.

@@ -18,6 +18,8 @@ pub struct Question<'a> {
     pub directions: &'a [Basis],
     /// Offsets beside the grid, for each direction, increasing.
     pub extra: &'a [Vec<f64>],
+    /// The same for the second cut.
+    pub extra_second: &'a [Vec<f64>],
     /// The tolerance.
     pub epsilon: f64,
     /// Parameters.
@@ -82,7 +84,7 @@ impl<'a> Lookahead<'a> {
         Lookahead { question, value, scratch: Scratch::default() }
     }
 
-    fn sweeps(&mut self, piece: &Piece, forbidden: &[Forbidden], count: usize, extra: bool) -> Vec<Sweep> {
+    fn sweeps(&mut self, piece: &Piece, forbidden: &[Forbidden], count: usize, extra: &[Vec<f64>]) -> Vec<Sweep> {
         let q = self.question;
         let edges: Vec<(u32, u32)> = piece.edges().collect();
         let extents: Vec<(f64, f64)> = q.directions.iter().map(|b| extent(&piece.points, b.w)).collect();
@@ -94,8 +96,7 @@ impl<'a> Lookahead<'a> {
             .map(|(d, basis)| {
                 let (lo, hi) = extents[d];
                 let number = if thin((lo, hi)) && !all_thin { 0 } else { count };
-                let none = Vec::new();
-                let offsets = grid(lo, hi, number, if extra { &q.extra[d] } else { &none });
+                let offsets = grid(lo, hi, number, &extra[d]);
                 if offsets.is_empty() {
                     return Sweep::default();
                 }
@@ -107,7 +108,7 @@ impl<'a> Lookahead<'a> {
     /// The best cut, or `None` if there is no candidate.
     pub fn choose(&mut self) -> Option<Choice> {
         let q = self.question;
-        let sweeps = self.sweeps(q.piece, q.forbidden, q.settings.planes, true);
+        let sweeps = self.sweeps(q.piece, q.forbidden, q.settings.planes, q.extra);
         let mut firsts: Vec<First> = Vec::new();
         for (direction, sweep) in sweeps.iter().enumerate() {
             for (trial, t) in sweep.trials.iter().enumerate() {
@@ -132,7 +133,7 @@ impl<'a> Lookahead<'a> {
             return Some(self.refine(choice(best, best.value), None, spacing));
         }
         let mut best: Option<(Choice, Option<(usize, f64)>, (f64, f64))> = None;
-        for first in firsts.iter().take(q.settings.expand) {
+        for first in promising(&firsts, q.settings.expand, q.settings.quota) {
             let plain = choice(first, first.value);
             let below_is_worse = first.below >= first.above;
             let (child, forbidden) = child(q, &sweeps[first.direction], first, below_is_worse);
@@ -151,7 +152,7 @@ impl<'a> Lookahead<'a> {
     /// The best cut of a child: (direction, offset, value with the other part).
     fn second(&mut self, child: &Piece, forbidden: &[Forbidden], other: f64) -> Option<(usize, f64, f64)> {
         let count = self.question.settings.second;
-        let sweeps = self.sweeps(child, forbidden, count, false);
+        let sweeps = self.sweeps(child, forbidden, count, self.question.extra_second);
         let mut best: Option<(usize, f64, f64)> = None;
         for (direction, sweep) in sweeps.iter().enumerate() {
             for t in &sweep.trials {
@@ -206,6 +207,29 @@ impl<'a> Lookahead<'a> {
         }
         best
     }
+}
+
+/// The first cuts to look at further: the best `quota` of each direction, then
+/// the best of all. Directions often tie at the first step (a ring cut across
+/// or along its axis), and only the second step tells them apart.
+fn promising(sorted: &[First], expand: usize, quota: usize) -> Vec<&First> {
+    let mut taken = vec![0usize; 1 + sorted.iter().map(|f| f.direction).max().unwrap_or(0)];
+    let mut chosen = vec![false; sorted.len()];
+    let mut count = 0;
+    for (i, first) in sorted.iter().enumerate() {
+        if taken[first.direction] < quota && count < expand {
+            taken[first.direction] += 1;
+            chosen[i] = true;
+            count += 1;
+        }
+    }
+    for slot in &mut chosen {
+        if !*slot && count < expand {
+            *slot = true;
+            count += 1;
+        }
+    }
+    sorted.iter().zip(chosen).filter(|(_, c)| *c).map(|(f, _)| f).collect()
 }
 
 fn empty(side: &Side) -> bool {

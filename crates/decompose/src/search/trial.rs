@@ -118,6 +118,10 @@ fn noise(key: u64) -> DVec3 {
 /// Size of the jitter of search-only points; working copies have extent ~1.
 const JITTER: f64 = 4e-7;
 
+/// Vertices this close to a plane count as on it: stand-ins of a flat face are
+/// flat to rounding only.
+const ON: f64 = 1e-6;
+
 /// Price cuts at `offsets` (increasing) along `basis.w`.
 ///
 /// `slack` is the distance by which section outlines may be simplified.
@@ -185,18 +189,18 @@ fn pass(
         while ahead < order.len() {
             let v = order[position(ahead)];
             let z = sign * local[v as usize].z;
-            if z > t {
+            if z > t + ON {
                 break;
             }
             // A vertex on the plane belongs to this side only if something of
             // this side hangs on it; a flat face seen from outside does not.
-            let belongs = z < t || reach(v) < t;
+            let belongs = z < t - ON || reach(v) < t - ON;
             if belongs && !inserted[v as usize] {
                 inserted[v as usize] = true;
                 hull.insert(flip(local[v as usize] + JITTER * noise(u64::from(v))));
             }
             ahead += 1;
-            if z < t {
+            if z < t - ON {
                 next = ahead;
             }
         }
@@ -304,8 +308,8 @@ fn sections(edges: &[(u32, u32)], offsets: &[f64], slack: f64, scratch: &mut Scr
         high[u as usize] = high[u as usize].max(b.z);
         high[v as usize] = high[v as usize].max(a.z);
         let (z0, z1) = (a.z.min(b.z), a.z.max(b.z));
-        let mut k = offsets.partition_point(|&t| t <= z0);
-        while k < offsets.len() && offsets[k] < z1 {
+        let mut k = offsets.partition_point(|&t| t <= z0 + ON);
+        while k < offsets.len() && offsets[k] < z1 - ON {
             let p = a.lerp(b, (offsets[k] - a.z) / (b.z - a.z));
             sections[k].push(p.truncate());
             k += 1;

@@ -1,0 +1,169 @@
+//! The frame of the cuts: the mesh's own axes, or one from its flat faces.
+//!
+//! A part that was drawn along axes and then turned shows it by its faces:
+//! normals cluster, and two dominant clusters at right angles give the frame
+//! back. Taken only where it aligns materially more area than the mesh's axes
+//! do; shapes without flat faces keep their axes (principal axes and tightest
+//! boxes cost hulls on average).
+
+use assetpipe_geometry::Mesh;
+use glam::{DMat3, DVec3};
+
+/// Cosine of the angle within which a face counts as aligned (1°).
+const ALIGNED: f64 = 0.999_85;
+/// The frame must align this many times the area of the mesh's axes, and this
+/// share of all area more.
+const GAIN: f64 = 1.1;
+const SHARE: f64 = 0.1;
+/// Clusters of normals that are looked at.
+const CLUSTERS: usize = 24;
+
+/// The rotation from the mesh's frame into the frame of the cuts.
+pub fn choose(mesh: &Mesh) -> DMat3 {
+    let mut faces: Vec<(DVec3, f64)> = (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            let normal = (b - a).cross(c - a);
+            (canonical(normal.normalize_or_zero()), 0.5 * normal.length())
+        })
+        .filter(|f| f.1 > 0.0)
+        .collect();
+    let total: f64 = faces.iter().map(|f| f.1).sum();
+    let own = aligned(&faces, DMat3::IDENTITY);
+    if own * GAIN >= total || own + SHARE * total >= total {
+        return DMat3::IDENTITY;
+    }
+    let clusters = clusters(&mut faces);
+    let mut best = (own, DMat3::IDENTITY);
+    for (i, &(first, area)) in clusters.iter().enumerate() {
+        let mut offer = |second: DVec3| {
+            let frame = frame(first, second);
+            let area = aligned(&faces, frame);
+            if area > best.0 {
+                best = (area, frame);
+            }
+        };
+        let mut partner = false;
+        for &(second, _) in &clusters[i + 1..] {
+            if first.dot(second).abs() < 0.02 {
+                partner = true;
+                offer(second);
+            }
+        }
+        // A turned solid of revolution has one direction only.
+        if !partner && area > SHARE * total {
+            offer(first.any_orthonormal_vector());
+        }
+    }
+    if best.0 > GAIN * own && best.0 > own + SHARE * total {
+        best.1
+    } else {
+        DMat3::IDENTITY
+    }
+}
+
+/// One of a normal and its opposite.
+fn canonical(n: DVec3) -> DVec3 {
+    let first = [n.z, n.y, n.x].into_iter().find(|x| x.abs() > 1e-6).unwrap_or(0.0);
+    if first < 0.0 {
+        -n
+    } else {
+        n
+    }
+}
+
+/// Rows: the axes of the new frame.
+fn frame(first: DVec3, second: DVec3) -> DMat3 {
+    let w = first.normalize();
+    let u = (second - w * w.dot(second)).normalize();
+    DMat3::from_cols(u, w.cross(u), w).transpose()
+}
+
+/// Area whose normal is along an axis of the frame.
+fn aligned(faces: &[(DVec3, f64)], frame: DMat3) -> f64 {
+    let axes = [frame.row(0), frame.row(1), frame.row(2)];
+    faces.iter().filter(|(n, _)| axes.iter().any(|a| a.dot(*n).abs() > ALIGNED)).map(|f| f.1).sum()
+}
+
+/// Mean normal and area of the largest groups of almost equal normals.
+fn clusters(faces: &mut [(DVec3, f64)]) -> Vec<(DVec3, f64)> {
+    // Cells of a grid over the sphere, then neighbours gathered around the
+    // heaviest cell first.
+    let cell = |n: DVec3| (n * 64.0).round().to_array().map(|x| x as i64);
+    faces.sort_by(|a, b| cell(a.0).cmp(&cell(b.0)).then(a.1.total_cmp(&b.1)));
+    let mut cells: Vec<(DVec3, f64)> = faces
+        .chunk_by(|a, b| cell(a.0) == cell(b.0))
+        .map(|run| {
+            let sum: DVec3 = run.iter().map(|f| f.0 * f.1).sum();
+            (sum.normalize_or_zero(), run.iter().map(|f| f.1).sum())
+        })
+        .collect();
+    cells.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut found: Vec<(DVec3, f64)> = Vec::new();
+    for (normal, area) in cells {
+        match found.iter().position(|f| f.0.dot(normal).abs() > ALIGNED) {
+            Some(known) => found[known].1 += area,
+            None if found.len() < CLUSTERS => found.push((normal, area)),
+            None => {}
+        }
+    }
+    found
+}
+
+/// How far a coordinate may be moved to make a face exactly flat, in the
+/// working copy (size one): the noise of single-precision files.
+const SNAP: f64 = 2.5e-7;
+
+/// Give the vertices of faces along an axis one common coordinate, so that a
+/// cut at a face is exact. No point moves by more than the returned distance.
+pub fn snap(mesh: &mut Mesh) -> f64 {
+    for axis in 0..3 {
+        let mut flat = vec![false; mesh.vertices.len()];
+        for t in 0..mesh.triangles.len() {
+            let [a, b, c] = mesh.corners(t);
+            let n = (b - a).cross(c - a);
+            if n[axis].abs() > (1.0 - 1e-10) * n.length() && n != DVec3::ZERO {
+                for v in mesh.triangles[t] {
+                    flat[v as usize] = true;
+                }
+            }
+        }
+        let mut order: Vec<u32> = (0..mesh.vertices.len() as u32).filter(|&v| flat[v as usize]).collect();
+        order.sort_by(|&a, &b| mesh.vertices[a as usize][axis].total_cmp(&mesh.vertices[b as usize][axis]));
+        let mut anchor = f64::NEG_INFINITY;
+        for v in order {
+            let x = &mut mesh.vertices[v as usize][axis];
+            if *x - anchor > SNAP {
+                anchor = *x;
+            }
+            *x = anchor;
+        }
+    }
+    3f64.sqrt() * SNAP
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use assetpipe_geometry::hull::convex_hull;
+
+    #[test]
+    fn a_turned_box_finds_its_axes() {
+        let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
+        let corners: Vec<DVec3> = (0..8u32)
+            .map(|i| {
+                turn * DVec3::new(f64::from(i & 1) * 3.0, f64::from(i >> 1 & 1) * 2.0, f64::from(i >> 2))
+            })
+            .collect();
+        let mesh = convex_hull(&corners).unwrap();
+        let frame = choose(&mesh);
+        assert_ne!(frame, DMat3::IDENTITY);
+        for t in 0..mesh.triangles.len() {
+            let [a, b, c] = mesh.corners(t);
+            let n = frame * (b - a).cross(c - a).normalize();
+            assert!((n.abs().max_element() - 1.0).abs() < 1e-9);
+        }
+        let straight = convex_hull(&corners.iter().map(|&p| turn.transpose() * p).collect::<Vec<_>>()).unwrap();
+        assert_eq!(choose(&straight), DMat3::IDENTITY);
+    }
+}
