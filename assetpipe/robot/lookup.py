@@ -7,9 +7,10 @@ Order for ``package://name/rest`` (and ``model://``, ``$(find name)/rest``):
 3. ``ROS_PACKAGE_PATH``,
 4. ``AMENT_PREFIX_PATH`` (``share/name``), for ``model://`` the model paths of Gazebo,
 5. a folder called ``name`` above the URDF or next to one of those,
-6. walking up from the URDF: ``name/rest`` as PyBullet does, then ``rest``.
+6. ``rest`` in the folders from the URDF up to its package's root.
 
-A relative reference counts from the URDF's folder, then from those above it (PyBullet).
+(5) is what PyBullet does with ``name/rest``. A relative reference counts from the URDF's
+folder, then from those above it (PyBullet), up to the package's root.
 
 What a reference leads to must lie, symbolic links resolved, inside of a package that is known
 or of a root that the user allows; else it is refused.
@@ -35,11 +36,12 @@ _SHELVES = {
     "description", "descriptions", "config", "gazebo", "mjcf",
 }  # fmt: skip
 """Folders that hold descriptions beside ``meshes``: the package is the folder above."""
-_LEVELS = 8
-"""Folders above a description in which a reference may be found."""
-_WORKSPACE_LEVELS = 6
+_LEVELS = 6
+"""Folders around a description in which packages are sought."""
 _DEPTH = 2
-"""Packages are sought two levels below each of the folders above: workspace/repository/package."""
+"""Packages are sought two levels below each of these folders: workspace/repository/package."""
+_LOOSE_LEVELS = 4
+"""Folders in which a relative reference is sought where no package says where to stop."""
 _SCHEMES = ("package://", "model://")
 
 
@@ -118,7 +120,7 @@ class Lookup:
         """Packages around the description by name, nearest first."""
         if self._around is None:
             found: dict[str, list[Path]] = {}
-            for above in ancestors(self._folder, _WORKSPACE_LEVELS):
+            for above in ancestors(self._folder, _LEVELS):
                 for name, roots in self._index.below(above, _DEPTH).items():
                     found.setdefault(name, []).extend(roots)
             self._around = {name: tuple(dict.fromkeys(roots)) for name, roots in found.items()}
@@ -157,7 +159,7 @@ class Lookup:
         refused = False
         spellings = list(dict.fromkeys((rest, unquote(rest))))
         candidates = [*self._roots(name, scheme)]
-        candidates += [(above, "walk up") for above in ancestors(self._folder, _LEVELS)]
+        candidates += [(above, "walk up") for above in self._own_folders()]
         for root, means in candidates:
             for spelling in spellings:
                 path = Path(os.path.normpath(root / spelling.lstrip("/")))
@@ -184,7 +186,8 @@ class Lookup:
     def _relative(self, uri: str, text: str) -> Resolution:
         tried: list[str] = []
         places: list[Path] = []
-        for above in ancestors(self._folder, _LEVELS):
+        around = ancestors(self._folder, _LOOSE_LEVELS)
+        for above in self._own_folders() if self.package else around:
             upwards = above != self._folder
             if upwards and PurePosixPath(text).parts[:1] == ("..",):
                 break
@@ -234,6 +237,11 @@ class Lookup:
                 hint=self._near([path.parent], path.name),
             )
         return Resolution(uri, "found", path, None, str(path), path.parent, "file", (str(path),))
+
+    def _own_folders(self) -> list[Path]:
+        """The description's folder and those above it up to its home."""
+        around = ancestors(self._folder, len(self._folder.parts))
+        return [above for above in around if above.is_relative_to(self.home)]
 
     def _inside(self, path: Path, root: Path) -> bool:
         return path.resolve().is_relative_to(root.resolve()) or self.allows(path)

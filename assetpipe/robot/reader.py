@@ -371,6 +371,7 @@ def _is_uri(text: str) -> bool:
 def _without_loops(joints: Mapping[str, Joint], reader: _Reader) -> list[str]:
     """Names of the joints, those that close a loop left out and told."""
     parent_joint = {joint.child: joint for joint in joints.values()}
+    order = {name: k for k, name in enumerate(joints)}
     safe: set[str] = set()
     dropped: set[str] = set()
     for start in joints.values():
@@ -380,12 +381,13 @@ def _without_loops(joints: Mapping[str, Joint], reader: _Reader) -> list[str]:
             path.append(joint)
             joint = parent_joint.get(joint.parent)
         if joint is not None and joint in path:
-            dropped.add(joint.name)
-            del parent_joint[joint.child]
+            closing = max(path[path.index(joint) :], key=lambda item: order[item.name])
+            dropped.add(closing.name)
+            del parent_joint[closing.child]
             reader._say(
                 "AP105",
-                joint.line,
-                f"joint '{joint.name}' closes a loop; it is ignored in kinematics",
+                closing.line,
+                f"joint '{closing.name}' closes a loop; it is ignored in kinematics",
                 severity=Severity.ERROR,
             )
         safe.update(item.name for item in path)
