@@ -14,6 +14,7 @@ mod geodesic;
 mod hierarchy;
 mod holes;
 mod hull;
+pub mod inclusion;
 mod point;
 mod resolve;
 mod triangulate;
