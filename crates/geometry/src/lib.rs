@@ -11,6 +11,7 @@ pub mod mesh;
 pub mod planar;
 pub mod plane;
 pub mod predicates;
+pub mod primitive;
 pub mod properties;
 pub mod sample;
 pub mod tolerance;

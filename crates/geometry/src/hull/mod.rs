@@ -2,6 +2,7 @@
 
 mod circumscribe;
 mod facets;
+mod flat;
 mod growing;
 mod program;
 mod quickhull;
@@ -13,6 +14,7 @@ mod validate;
 
 use glam::DVec3;
 
+pub use flat::convex_hull_2d;
 pub use quickhull::Builder;
 pub use simplify::{simplify_outward, simplify_within, SimplifyError};
 pub use validate::{check_convex, ConvexityDefect};
