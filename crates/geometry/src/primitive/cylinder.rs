@@ -38,8 +38,8 @@ impl Cylinder {
 /// A cylinder of small volume around a convex hull: for each of the hull's
 /// main directions the smallest along it. Nothing for an empty mesh.
 ///
-/// The slack is attained on a rim; it is bounded there by halving arcs, to
-/// 1e-3 of itself and 1e-6 of the radius.
+/// The slack is attained on a rim; it is bounded there to 1e-3 of
+/// itself or 1e-6 of the radius.
 pub fn fit_cylinder(hull: &Mesh) -> Option<Fit<Cylinder>> {
     if hull.triangles.is_empty() {
         return None;

@@ -46,9 +46,11 @@ impl Faces {
         squares.fold(f64::INFINITY, f64::min).sqrt()
     }
 
-    /// An upper bound, at most `accuracy` too large, of the largest distance
-    /// from the hull over the circle `centre + u cos + v sin`, by halving
-    /// arcs: the distance changes by no more than one goes.
+    /// An upper bound, at most `accuracy` too large, of the largest signed
+    /// distance over the circle `centre + u cos + v sin`. The distance is
+    /// convex, so over an arc it is at most that of the arc's ends or of the
+    /// point where the tangents at the ends meet; arcs are halved until that
+    /// decides.
     pub(super) fn largest_on_circle(
         &self,
         centre: DVec3,
@@ -56,36 +58,26 @@ impl Faces {
         v: DVec3,
         accuracy: f64,
     ) -> f64 {
-        let radius = u.length().max(v.length());
-        let at = |turn: f64| {
+        let at = |turn: f64, scale: f64| {
             let angle = std::f64::consts::TAU * turn;
-            let p = centre + u * libm::cos(angle) + v * libm::sin(angle);
-            self.signed_distance(p)
+            let offset = u * libm::cos(angle) + v * libm::sin(angle);
+            self.signed_distance(centre + offset * scale)
         };
-        let half_length = |width: f64| std::f64::consts::PI * radius * width;
-        let first: Vec<(f64, f64)> = (0..16).map(|i| (f64::from(i) / 16.0, 1.0 / 16.0)).collect();
-        let mut arcs: Vec<(f64, f64, f64)> = first
-            .into_iter()
-            .map(|(turn, width)| (turn, width, at(turn)))
-            .collect();
-        let mut lower = arcs
-            .iter()
-            .map(|arc| arc.2)
-            .fold(f64::NEG_INFINITY, f64::max);
+        let tangents = |width: f64| 1.0 / libm::cos(std::f64::consts::PI * width);
+        let ends = (0..8).map(|i| at((f64::from(i) + 0.5) / 8.0, 1.0));
+        let mut lower = ends.fold(f64::NEG_INFINITY, f64::max);
         let mut upper = lower;
-        while let Some((turn, width, value)) = arcs.pop() {
-            let bound = value + half_length(width);
-            if bound <= lower + accuracy || half_length(width) <= accuracy / 16.0 {
+        let mut arcs: Vec<(f64, f64)> = (0..8).map(|i| (f64::from(i) / 8.0, 1.0 / 8.0)).collect();
+        while let Some((middle, width)) = arcs.pop() {
+            let bound = at(middle, tangents(width));
+            // Narrower arcs differ from their tangents by rounding only.
+            if bound <= lower + accuracy || width < 1e-8 {
                 upper = upper.max(bound);
                 continue;
             }
-            for side in [-0.25, 0.25] {
-                let middle = turn + side * width;
-                let value = at(middle);
-                lower = lower.max(value);
-                arcs.push((middle, width / 2.0, value));
-            }
+            lower = lower.max(at(middle, 1.0));
+            arcs.extend([-0.25, 0.25].map(|side| (middle + side * width, width / 2.0)));
         }
-        upper
+        upper.max(lower)
     }
 }
