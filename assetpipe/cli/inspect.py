@@ -32,7 +32,7 @@ def command(inputs: tuple[Path, ...], **given: Any) -> int:
     from assetpipe.pipeline.inspection import inspect
     from assetpipe.report.terminal import console_for, show_findings, show_health
 
-    config = options.config_from({"config_name": None, **given})
+    config = options.config_from(given)
     with progress_bar() as listener, executor_for(config.jobs, given["cluster"]) as executor:
         result = inspect(
             inputs,

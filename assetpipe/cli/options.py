@@ -126,7 +126,8 @@ def config_from(options: dict[str, Any]) -> Config:
     """The configuration that a command line asks for."""
     from assetpipe.pipeline.config import Config, load_config
 
-    config = load_config(options["config_name"]) if options["config_name"] else Config()
+    name = options.get("config_name")
+    config = load_config(name) if name else Config()
     direct = (
         "tolerance",
         "max_hulls",

@@ -74,6 +74,19 @@ def bodies_of(robot: Robot, outcomes: Outcomes, visual_links: Collection[str]) -
     return Bodies(tuple(before), tuple(after), convex, frozenset(ours))
 
 
+def bodies_of_links(outcomes: Mapping[str, MeshOutcome]) -> Bodies:
+    """The bodies of compared links, whose outcomes are in the links' frames."""
+    before: list[LinkBody] = []
+    after: list[LinkBody] = []
+    for name, outcome in outcomes.items():
+        if outcome.solid is None:
+            continue
+        bound = max(hull.thickening[1] for hull in outcome.hulls)
+        before.append(LinkBody(name, (outcome.solid,)))
+        after.append(LinkBody(name, tuple(hull.mesh for hull in outcome.hulls), bound))
+    return Bodies(tuple(before), tuple(after), {}, frozenset())
+
+
 def kept_mesh(shape: Shape) -> Mesh | None:
     """A shape that stays as it is, as a mesh; ``None`` if there is nothing to see."""
     import trimesh

@@ -6,6 +6,9 @@ from assetpipe.findings import Finding, Severity
 from assetpipe.pipeline.executors import Fault, Reply
 from assetpipe.pipeline.outcome import MeshOutcome
 
+_CRASHES = {"start": "AP102", "read": "AP102", "repair": "AP202", "certify": "AP411"}
+"""What the death of a process means, by what it was doing; else the engine has failed."""
+
 
 def outcome_of(reply: Reply) -> MeshOutcome:
     """A reply as an outcome: a fault becomes a finding on its mesh."""
@@ -35,6 +38,6 @@ def finding_of_fault(fault: Fault) -> Finding:
             code, Severity.ERROR, f"{fault.message} {doing}", hint=f"raise limits.{limit}"
         )
     if fault.kind == "crash":
-        code = {"read": "AP102", "start": "AP102", "repair": "AP202"}.get(fault.stage, "AP303")
+        code = _CRASHES.get(fault.stage, "AP303")
         return Finding(code, Severity.ERROR, f"{fault.message} {doing}")
     return Finding("AP901", Severity.ERROR, f"{fault.message} {doing}")

@@ -18,6 +18,7 @@ from assetpipe.pipeline.executors.task import Cancelled
 from assetpipe.pipeline.package import Draft
 from assetpipe.pipeline.progress import Listener, Progress
 from assetpipe.pipeline.result import finding_of
+from assetpipe.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,11 @@ def prove(
         replies = LocalExecutor(jobs).run(tasks, listener=listen, cancelled=cancelled)
         for place, reply in replies:
             n = places[place]
-            said = _said(reply, drafts[n])
-            proofs[n] = Proof({**proofs[n].validation, **said.validation}, said.findings)
+            proof = said(reply, drafts[n].robot)
+            proofs[n] = Proof(
+                {**proofs[n].validation, **proof.validation},
+                tuple(_settled(finding, drafts[n]) for finding in proof.findings),
+            )
     return tuple(proofs)
 
 
@@ -100,30 +104,35 @@ def _task(draft: Draft, config: Config, checks: Sequence[str], folder: Path) -> 
     return Task(draft.robot.name, request, config.limits.seconds, config.limits.memory)
 
 
-def _said(reply: Reply, draft: Draft) -> Proof:
+def said(reply: Reply, robot: Robot) -> Proof:
+    """What the process that checked a robot answered, faults among the findings."""
     data = json.loads(reply.payload) if reply.payload else {"validation": {}, "findings": []}
-    findings = [_settled(finding_of(item), draft) for item in data["findings"]]
+    findings = [_at_link(finding_of(item), robot) for item in data["findings"]]
     if reply.fault is not None:
+        ours = reply.fault.kind == "exception"
         findings.append(
             Finding(
-                "AP901" if reply.fault.kind == "exception" else "AP411",
-                Severity.ERROR if reply.fault.kind == "exception" else Severity.WARNING,
+                "AP901" if ours else "AP411",
+                Severity.ERROR if ours else Severity.WARNING,
                 f"check '{reply.fault.stage}' did not end: {reply.fault.message}",
-                Location(draft.robot.path),
+                Location(robot.path),
             )
         )
     return Proof(data["validation"], tuple(findings))
 
 
-def _settled(finding: Finding, draft: Draft) -> Finding:
-    """A finding about a staged file, told of the file that it becomes; one about a link
-    alone, told where the link is in the input."""
+def _at_link(finding: Finding, robot: Robot) -> Finding:
+    """A finding about a link alone, told where the link is in the input."""
     if finding.location is not None:
-        if finding.location.file.is_relative_to(draft.stage.folder):
-            file = draft.stage.out / finding.location.file.relative_to(draft.stage.folder)
-            return replace(finding, location=Location(file, finding.location.line))
         return finding
-    line = None
-    if finding.link is not None and finding.link in draft.robot.link_map:
-        line = draft.robot.link(finding.link).line
-    return replace(finding, location=Location(draft.robot.path, line))
+    link = robot.link_map.get(finding.link or "")
+    return replace(finding, location=Location(robot.path, link.line if link else None))
+
+
+def _settled(finding: Finding, draft: Draft) -> Finding:
+    """A finding about a staged file, told of the file that it becomes."""
+    place = finding.location
+    if place is None or not place.file.is_relative_to(draft.stage.folder):
+        return finding
+    file = draft.stage.out / place.file.relative_to(draft.stage.folder)
+    return replace(finding, location=Location(file, place.line))

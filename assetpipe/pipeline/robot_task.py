@@ -12,7 +12,7 @@ from typing import Any
 
 from assetpipe.errors import AssetpipeError
 from assetpipe.findings import Finding, Severity
-from assetpipe.pipeline.bodies import Bodies, bodies_of
+from assetpipe.pipeline.bodies import Bodies, bodies_of, bodies_of_links
 from assetpipe.pipeline.outcome import MeshOutcome
 from assetpipe.pipeline.poses import configurations
 from assetpipe.pipeline.stages import Reporter
@@ -22,15 +22,12 @@ from assetpipe.robot import Robot, forward_kinematics, read_robot
 def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
     """Run the checks that are asked for.
 
-    Request keys: ``robot`` and ``built`` (files), ``outcomes`` (link, index, file),
-    ``visual_links``, ``checks``, ``poses``, ``seed``.
+    Request keys: ``robot`` and ``built`` (files), ``checks``, ``poses``, ``seed``; and
+    either ``outcomes`` (link, index, file) with ``visual_links``, or ``links``, files of
+    outcomes in their links' frames.
     """
     robot = read_robot(Path(request["robot"])).robot
-    outcomes = {
-        (str(link), int(index)): MeshOutcome.decode(Path(file).read_bytes())
-        for link, index, file in request["outcomes"]
-    }
-    bodies = bodies_of(robot, outcomes, set(request["visual_links"]))
+    bodies = _bodies(robot, request)
     validation: dict[str, Any] = {}
     findings: list[Finding] = []
 
@@ -51,6 +48,16 @@ def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
             )
         reporter.partial(said())
     return said()
+
+
+def _bodies(robot: Robot, request: Mapping[str, Any]) -> Bodies:
+    def read(file: str) -> MeshOutcome:
+        return MeshOutcome.decode(Path(file).read_bytes())
+
+    if "links" in request:
+        return bodies_of_links({link: read(file) for link, file in request["links"].items()})
+    outcomes = {(str(link), int(index)): read(file) for link, index, file in request["outcomes"]}
+    return bodies_of(robot, outcomes, set(request["visual_links"]))
 
 
 def _self_collision(

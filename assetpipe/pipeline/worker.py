@@ -23,6 +23,7 @@ from assetpipe.pipeline.stages import Reporter
 HANDLERS = {
     "mesh": "assetpipe.pipeline.mesh_task",
     "robot": "assetpipe.pipeline.robot_task",
+    "compare": "assetpipe.pipeline.compare_task",
 }
 """The module whose ``answer(request, reporter) -> bytes`` serves a kind of request."""
 

@@ -48,7 +48,7 @@ def show_build(
             console.print(_meshes(robot, seconds))
         else:
             console.print(f"[bold]{escape(robot['name'])}[/bold]: no collision meshes")
-        _validation(console, robot)
+        show_checks(console, robot["validation"])
     show_findings(console, record["findings"])
 
 
@@ -82,7 +82,7 @@ def show_health(console: Console, meshes: Sequence[Mapping[str, Any]]) -> None:
             _number(health.get("components")),
             *(_number((health.get(key) or {}).get("count")) for key in _DEFECTS.values()),
             "[red]impossible[/red]" if repair and not repair["solid"] else _rung(repair),
-            _mm(repair["moved"]) if repair and repair["solid"] else "–",
+            millimetres(repair["moved"]) if repair and repair["solid"] else "–",
         )
     console.print(table)
 
@@ -105,12 +105,12 @@ def _meshes(robot: Mapping[str, Any], seconds: Mapping[str, float | None] | None
             escape(_short(mesh["name"])),
             _number(mesh.get("faces")),
             _rung(repair),
-            _mm(repair["moved"]) if repair and repair["solid"] else "–",
+            millimetres(repair["moved"]) if repair and repair["solid"] else "–",
             _number(mesh.get("hulls")) if mesh["treatment"] == "decomposed" else "[red]kept[/red]",
             _number(mesh.get("hull_vertices")),
-            _mm(certificate["thickening"]["upper"]) if certificate else "–",
-            _mm(mesh["tolerance"]) if "tolerance" in mesh else "–",
-            _mm(contact["clearance_error"]["worst"]) if contact else "–",
+            millimetres(certificate["thickening"]["upper"]) if certificate else "–",
+            millimetres(mesh["tolerance"]) if "tolerance" in mesh else "–",
+            millimetres(contact["clearance_error"]["worst"]) if contact else "–",
         ]
         if seconds is not None:
             took = seconds.get(f"{mesh['name']}|{mesh['digest']}")
@@ -119,24 +119,20 @@ def _meshes(robot: Mapping[str, Any], seconds: Mapping[str, float | None] | None
     return table
 
 
-def _validation(console: Console, robot: Mapping[str, Any]) -> None:
-    validation = robot["validation"]
-    said = []
+def show_checks(console: Console, validation: Mapping[str, Any]) -> None:
+    """A line a check of the whole robot."""
     pairs = validation.get("self_collision")
     if pairs:
-        said.append(
-            f"self-collision over {pairs['configurations']} configurations: "
+        console.print(
+            f"  self-collision over {pairs['configurations']} configurations: "
             f"{len(pairs['new'])} new, {len(pairs['vanished'])} vanished pairs"
         )
     engine = validation.get("engine")
     if engine:
         shapes = sum(engine["shapes"].values())
-        said.append(
-            f"{engine['engine'] or 'physics engine'}: {engine['outcome']}"
-            + (f", {shapes} collision shapes" if engine["outcome"] == "loaded" else "")
-        )
-    for line in said:
-        console.print("  " + escape(line))
+        told = f", {shapes} collision shapes" if engine["outcome"] == "loaded" else ""
+        name = engine["engine"] or "physics engine"
+        console.print(escape(f"  {name}: {engine['outcome']}{told}"))
 
 
 def _finding(finding: Mapping[str, Any]) -> str:
@@ -186,7 +182,8 @@ def _number(value: Any) -> str:
     return "–" if value is None else f"{value}"
 
 
-def _mm(metres: float | None) -> str:
+def millimetres(metres: float | None) -> str:
+    """Three digits; a dash for nothing."""
     if metres is None:
         return "–"
     return "0" if metres == 0 else f"{metres * 1000:.3g}"
