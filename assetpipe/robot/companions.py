@@ -98,8 +98,17 @@ def _bytes(path: Path) -> bytes | None:
 
 def _of_obj(data: bytes, _mesh: Path) -> list[str]:
     names = [match[1].decode("utf-8", "replace").strip() for match in _LIBRARY.finditer(data)]
-    # one name with spaces, or several names
-    return [name for whole in names for name in dict.fromkeys((whole, *whole.split()))]
+    # several names, or names with spaces: whatever there is
+    return [name for whole in names for name in _runs(whole.split()[:12])]
+
+
+def _runs(words: list[str]) -> list[str]:
+    """All words and sequences of words, long ones first."""
+    return [
+        " ".join(words[start : start + length])
+        for length in range(len(words), 0, -1)
+        for start in range(len(words) - length + 1)
+    ]
 
 
 def _textures(library: Path) -> list[str]:

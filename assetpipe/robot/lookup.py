@@ -3,13 +3,14 @@
 Order for ``package://name/rest`` (and ``model://``, ``$(find name)/rest``):
 
 1. an explicit mapping,
-2. the ``name`` in a ``package.xml``: of the folders above the URDF and of their neighbours,
-3. ``ROS_PACKAGE_PATH``,
-4. ``AMENT_PREFIX_PATH`` (``share/name``), for ``model://`` the model paths of Gazebo,
-5. a folder called ``name`` above the URDF or next to one of those,
-6. ``rest`` in the folders from the URDF up to its package's root.
+2. the package that the URDF lies in: by its ``package.xml``, else by the name of a folder,
+3. neighbouring packages by their ``package.xml``, up to two levels above the URDF's own package,
+4. ``ROS_PACKAGE_PATH``,
+5. ``AMENT_PREFIX_PATH`` (``share/name``), for ``model://`` the model paths of Gazebo,
+6. a folder called ``name`` above the URDF or next to one of those,
+7. ``rest`` in the folders from the URDF up to its package's root.
 
-(5) is what PyBullet does with ``name/rest``. A relative reference counts from the URDF's
+(6) is what PyBullet does with ``name/rest``. A relative reference counts from the URDF's
 folder, then from those above it (PyBullet), up to the package's root.
 
 What a reference leads to must lie, symbolic links resolved, inside of a package that is known
@@ -37,9 +38,11 @@ _SHELVES = {
 }  # fmt: skip
 """Folders that hold descriptions beside ``meshes``: the package is the folder above."""
 _LEVELS = 6
-"""Folders around a description in which packages are sought."""
+"""Folders above a description in which its package.xml is sought."""
+_BEYOND = 2
+"""Folders above a package in which others are sought: workspaces hold repositories of packages."""
 _DEPTH = 2
-"""Packages are sought two levels below each of these folders: workspace/repository/package."""
+"""How deep in each of these folders a package may lie."""
 _LOOSE_LEVELS = 4
 """Folders in which a relative reference is sought where no package says where to stop."""
 _SCHEMES = ("package://", "model://")
@@ -120,7 +123,7 @@ class Lookup:
         """Packages around the description by name, nearest first."""
         if self._around is None:
             found: dict[str, list[Path]] = {}
-            for above in ancestors(self._folder, _LEVELS):
+            for above in self._surroundings():
                 for name, roots in self._index.below(above, _DEPTH).items():
                     found.setdefault(name, []).extend(roots)
             self._around = {name: tuple(dict.fromkeys(roots)) for name, roots in found.items()}
@@ -133,6 +136,10 @@ class Lookup:
         resolver = self._resolver
         if name in resolver.packages:
             yield resolver.packages[name], "mapping"
+        for above in self._own_folders():
+            declared = self._index.name_of(above)
+            if declared == name or (declared is None and above.name == name):
+                yield above, "package.xml" if declared else "folder name"
         for root in self._neighbours().get(name, ()):
             yield root, "package.xml"
         for path in resolver.ros_package_path:
@@ -146,7 +153,7 @@ class Lookup:
             for path in resolver.model_path:
                 if (path / name).is_dir():
                     yield path / name, "model path"
-        for above in ancestors(self._folder, _LEVELS):
+        for above in self._surroundings():
             if above.name == name:
                 yield above, "folder name"
             elif (above / name).is_dir():
@@ -242,6 +249,11 @@ class Lookup:
         """The description's folder and those above it up to its home."""
         around = ancestors(self._folder, len(self._folder.parts))
         return [above for above in around if above.is_relative_to(self.home)]
+
+    def _surroundings(self) -> list[Path]:
+        """The description's own folders and those around its home."""
+        own = self._own_folders()
+        return [*own, *list(ancestors(self.home, 1 + _BEYOND))[1:]]
 
     def _inside(self, path: Path, root: Path) -> bool:
         return path.resolve().is_relative_to(root.resolve()) or self.allows(path)

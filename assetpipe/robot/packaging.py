@@ -128,7 +128,7 @@ def safe_name(name: str) -> str:
     What had to be changed is told apart by a digest of the original.
     """
     safe = _UNSAFE.sub("_", name).strip("._-")[:_LONGEST].rstrip("._-")
-    if safe == name:
+    if safe and safe == name:
         return safe
     digest = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:6]
     return f"{safe}_{digest}" if safe else digest
@@ -257,7 +257,26 @@ class _Plan:
             if (root / "package.xml").is_file():
                 yield Copy(root / "package.xml", self._workspace / name / "package.xml")
         if package is not None and not found:
-            yield Copy(package.root / "package.xml", self._workspace / "package.xml")
+            # the URDF's folder without what lies between it and its package
+            within = len(self._source.relative_to(package.root).parts)
+            top = PurePosixPath(*self.folder.parts[: len(self.folder.parts) - within])
+            yield Copy(package.root / "package.xml", top / "package.xml")
+        for reference in self._robot.references:
+            yield from self._neighbour(reference)
+
+    def _neighbour(self, reference: Reference) -> Iterable[Copy]:
+        """The manifest of the package that a relative reference leads into."""
+        resolution = reference.resolution
+        if resolution.path is None or resolution.package is not None or resolution.means == "file":
+            return
+        to = _inside(self.folder, resolution.rest)
+        for above in resolution.path.parents:
+            if (above / "package.xml").is_file():
+                within = resolution.path.relative_to(above).parts
+                if to.parts[-len(within) :] == within:
+                    top = PurePosixPath(*to.parts[: -len(within)])
+                    yield Copy(above / "package.xml", top / "package.xml")
+                return
 
 
 def _climb(rest: str) -> int:
