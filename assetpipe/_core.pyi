@@ -17,6 +17,7 @@ def decompose(
     faces: _Ints,
     epsilon: float,
     settings: Mapping[str, str | float],
+    threads: int,
     on_progress: Callable[[float], object] | None = None,
 ) -> tuple[list[_Hull], int]: ...
 def thickening(

@@ -103,6 +103,7 @@ def decompose(
         np.ascontiguousarray(solid.faces),
         epsilon,
         settings,
+        threads or 0,
         on_progress,
     )
     nodes = tuple(

@@ -4,6 +4,7 @@ use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::candidates::frame;
 use crate::concavity::{Interval, Limits};
@@ -41,7 +42,8 @@ pub struct Decomposition {
     pub leaves: usize,
 }
 
-/// Decompose a closed solid with tolerance `epsilon` in the mesh's unit.
+/// Decompose a closed solid with tolerance `epsilon` in the mesh's unit, on
+/// at most `threads` threads (0: as many as there are cores).
 ///
 /// # Errors
 /// [`DecomposeError`]; nothing here panics on purpose.
@@ -49,6 +51,7 @@ pub fn decompose(
     mesh: &Mesh,
     epsilon: f64,
     settings: &SearchSettings,
+    threads: usize,
     control: &Control,
 ) -> Result<Decomposition, DecomposeError> {
     check(mesh, epsilon)?;
@@ -67,6 +70,24 @@ pub fn decompose(
         };
         return Ok(Decomposition { hulls: vec![hull], leaves: 1 });
     }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK)
+        .build()
+        .map_err(|e| DecomposeError::Internal(e.to_string()))?;
+    pool.install(|| concave(mesh, epsilon, settings, control))
+}
+
+/// Stack of the engine's threads.
+const STACK: usize = 16 << 20;
+
+/// Everything but the convex.
+fn concave(
+    mesh: &Mesh,
+    epsilon: f64,
+    settings: &SearchSettings,
+    control: &Control,
+) -> Result<Decomposition, DecomposeError> {
     let frame = match settings.frame {
         FrameChoice::Mesh => DMat3::IDENTITY,
         FrameChoice::Faces => frame::choose(mesh),
@@ -82,7 +103,7 @@ pub fn decompose(
     }
     let cover = decompose_working(&copy, &solid, target, settings, control)?;
     let finish = Finish { working: &working, solid: &solid, epsilon: target, slim: settings.slim, limits: &limits };
-    let finished = cover.hulls.iter().map(|h| finish.run(h, &cover.parts)).collect::<Result<Vec<_>, _>>()?;
+    let finished = cover.hulls.par_iter().map(|h| finish.run(h, &cover.parts)).collect::<Result<Vec<_>, _>>()?;
     let leaves = finished.len();
     let (meshes, proved): (Vec<Mesh>, Vec<Proved>) = finished.into_iter().unzip();
     let nodes = build(&solid, proved, &limits);

@@ -4,6 +4,7 @@ use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::HullError;
 use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::candidates::flat_faces;
 use crate::concavity::thickening::{decide, Decision};
@@ -55,31 +56,32 @@ pub fn decompose_working(
     let mut done: Vec<Proved> = Vec::new();
     let mut parts: Vec<Vec<DVec3>> = Vec::new();
     while !frontier.is_empty() {
-        let mut next = Vec::new();
-        for part in frontier {
-            if cancelled() {
-                return Err(DecomposeError::Cancelled);
-            }
-            match decide(solid, &part.hull, epsilon, &limits) {
-                Decision::Within(thickening) => {
-                    open_volume -= part.piece.volume();
-                    // Merging and the hierarchy are about a tenth of the work.
-                    control.report(0.9 * (1.0 - open_volume / total_volume));
+        // All parts of one generation side by side; taken in their order, so
+        // the result does not depend on who was first.
+        let steps: Vec<Step> = frontier
+            .into_par_iter()
+            .map(|part| step(solid, part, epsilon, settings, &limits))
+            .collect::<Result<_, _>>()?;
+        frontier = Vec::new();
+        for step in steps {
+            match step {
+                Step::Done { hull, thickening, piece } => {
+                    open_volume -= piece.volume();
                     let members = vec![done.len() as u32];
-                    parts.push(part.piece.points);
-                    done.push(Proved { hull: part.hull, thickening, members });
-                    continue;
+                    done.push(Proved { hull, thickening, members });
+                    parts.push(piece.points);
                 }
-                Decision::Beyond { witness, .. } => witnesses.push(witness),
-                Decision::Unproven(_) => {}
+                Step::Cut { children, witness } => {
+                    witnesses.extend(witness);
+                    frontier.extend(children);
+                }
             }
-            let plane = cut(solid, &part, epsilon, settings);
-            next.extend(part.split(plane).map_err(internal)?);
         }
-        if done.len() + next.len() > MOST_PARTS {
+        // Merging and the coarser levels are about a tenth of the work.
+        control.report(0.9 * (1.0 - open_volume / total_volume));
+        if done.len() + frontier.len() > MOST_PARTS {
             return Err(DecomposeError::TooManyParts { limit: MOST_PARTS });
         }
-        frontier = next;
     }
     if settings.merging {
         done = merge(solid, done, epsilon, &mut witnesses, &limits);
@@ -88,6 +90,35 @@ pub fn decompose_working(
         return Err(DecomposeError::Cancelled);
     }
     Ok(Cover { hulls: done, parts })
+}
+
+/// What becomes of a part.
+enum Step {
+    /// Its hull is proved.
+    Done { hull: Mesh, thickening: Interval, piece: Piece },
+    /// It was cut; the witness is why.
+    Cut { children: Vec<Part>, witness: Option<DVec3> },
+}
+
+fn step(
+    solid: &SolidIndex,
+    part: Part,
+    epsilon: f64,
+    settings: &SearchSettings,
+    limits: &Limits<'_>,
+) -> Result<Step, DecomposeError> {
+    if (limits.cancelled)() {
+        return Err(DecomposeError::Cancelled);
+    }
+    let witness = match decide(solid, &part.hull, epsilon, limits) {
+        Decision::Within(thickening) => {
+            return Ok(Step::Done { hull: part.hull, thickening, piece: part.piece });
+        }
+        Decision::Beyond { witness, .. } => Some(witness),
+        Decision::Unproven(_) => None,
+    };
+    let plane = cut(solid, &part, epsilon, settings);
+    Ok(Step::Cut { children: part.split(plane).map_err(internal)?, witness })
 }
 
 #[allow(clippy::needless_pass_by_value)]

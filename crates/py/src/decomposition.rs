@@ -34,18 +34,19 @@ fn pair(interval: Interval) -> Bounds {
 /// concavity or None, children or None); the first `leaves` are the result,
 /// the others the coarser levels.
 #[pyfunction]
-#[pyo3(signature = (vertices, faces, epsilon, settings, on_progress=None))]
+#[pyo3(signature = (vertices, faces, epsilon, settings, threads, on_progress=None))]
 pub fn decompose<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,
     faces: PyReadonlyArray2<'py, i64>,
     epsilon: f64,
     settings: &Bound<'py, PyDict>,
+    threads: usize,
     on_progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<HullTuple<'py>>, usize)> {
     let solid = mesh(py, &vertices, &faces)?;
     let settings = read_settings(py, settings)?;
-    let result = watch::run(py, on_progress.as_ref(), |control| core::decompose(&solid, epsilon, &settings, control))?;
+    let result = watch::run(py, on_progress.as_ref(), |control| core::decompose(&solid, epsilon, &settings, threads, control))?;
     let Decomposition { hulls, leaves } = result.map_err(|e| decompose_error(py, &e))?;
     let hulls = hulls
         .iter()

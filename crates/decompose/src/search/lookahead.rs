@@ -1,6 +1,9 @@
 //! One step and two steps ahead.
 
+use std::cell::RefCell;
+
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::piece::Piece;
 use super::trial::{sweep, Basis, Forbidden, Scratch, Side, Sweep};
@@ -74,17 +77,33 @@ struct First {
 pub struct Lookahead<'a> {
     question: &'a Question<'a>,
     value: Value,
-    scratch: Scratch,
+}
+
+thread_local! {
+    /// Memory of the sweeps, one a thread.
+    static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::default());
+}
+
+/// [`sweep`] with this thread's memory.
+fn sweep_here(
+    piece: &Piece,
+    edges: &[(u32, u32)],
+    basis: &Basis,
+    offsets: &[f64],
+    forbidden: &[Forbidden],
+    slack: f64,
+) -> Sweep {
+    SCRATCH.with_borrow_mut(|scratch| sweep(piece, edges, basis, offsets, forbidden, slack, scratch))
 }
 
 impl<'a> Lookahead<'a> {
     /// Prepare.
     pub fn new(question: &'a Question<'a>) -> Self {
         let value = Value::new(question.settings, question.epsilon);
-        Lookahead { question, value, scratch: Scratch::default() }
+        Lookahead { question, value }
     }
 
-    fn sweeps(&mut self, piece: &Piece, forbidden: &[Forbidden], count: usize, extra: &[Vec<f64>]) -> Vec<Sweep> {
+    fn sweeps(&self, piece: &Piece, forbidden: &[Forbidden], count: usize, extra: &[Vec<f64>]) -> Vec<Sweep> {
         let q = self.question;
         let edges: Vec<(u32, u32)> = piece.edges().collect();
         let extents: Vec<(f64, f64)> = q.directions.iter().map(|b| extent(&piece.points, b.w)).collect();
@@ -100,13 +119,13 @@ impl<'a> Lookahead<'a> {
                 if offsets.is_empty() {
                     return Sweep::default();
                 }
-                sweep(piece, &edges, basis, &offsets, forbidden, q.settings.section * q.epsilon, &mut self.scratch)
+                sweep_here(piece, &edges, basis, &offsets, forbidden, q.settings.section * q.epsilon)
             })
             .collect()
     }
 
     /// The best cut, or `None` if there is no candidate.
-    pub fn choose(&mut self) -> Option<Choice> {
+    pub fn choose(&self) -> Option<Choice> {
         let q = self.question;
         let sweeps = self.sweeps(q.piece, q.forbidden, q.settings.planes, q.extra);
         let mut firsts: Vec<First> = Vec::new();
@@ -132,25 +151,27 @@ impl<'a> Lookahead<'a> {
             let spacing = spacing(&sweeps[best.direction], best.trial);
             return Some(self.refine(choice(best, best.value), None, spacing));
         }
-        let mut best: Option<(Choice, Option<(usize, f64)>, (f64, f64))> = None;
-        for first in promising(&firsts, q.settings.expand, q.settings.quota) {
-            let plain = choice(first, first.value);
-            let below_is_worse = first.below >= first.above;
-            let (child, forbidden) = child(q, &sweeps[first.direction], first, below_is_worse);
-            let other = first.below.min(first.above);
-            let second = self.second(&child, &forbidden, other);
-            let (step, value) = second.map_or((None, first.value), |(d, t, v)| (Some((d, t)), v));
-            let value = first.value + value;
-            if best.as_ref().is_none_or(|b| value < b.0.value) {
-                best = Some((Choice { value, ..plain }, step, spacing(&sweeps[first.direction], first.trial)));
-            }
-        }
+        let expanded: Vec<(Choice, Option<(usize, f64)>, (f64, f64))> =
+            promising(&firsts, q.settings.expand, q.settings.quota)
+                .into_par_iter()
+                .map(|first| {
+                    let below_is_worse = first.below >= first.above;
+                    let (child, forbidden) = child(q, &sweeps[first.direction], first, below_is_worse);
+                    let other = first.below.min(first.above);
+                    let second = self.second(&child, &forbidden, other);
+                    let (step, value) = second.map_or((None, first.value), |(d, t, v)| (Some((d, t)), v));
+                    let spacing = spacing(&sweeps[first.direction], first.trial);
+                    (choice(first, first.value + value), step, spacing)
+                })
+                .collect();
+        // The first of equals: the order is that of the first step.
+        let best = expanded.into_iter().reduce(|a, b| if b.0.value < a.0.value { b } else { a });
         let (choice, step, spacing) = best?;
         Some(self.refine(choice, step, spacing))
     }
 
     /// The best cut of a child: (direction, offset, value with the other part).
-    fn second(&mut self, child: &Piece, forbidden: &[Forbidden], other: f64) -> Option<(usize, f64, f64)> {
+    fn second(&self, child: &Piece, forbidden: &[Forbidden], other: f64) -> Option<(usize, f64, f64)> {
         let count = self.question.settings.second;
         let sweeps = self.sweeps(child, forbidden, count, self.question.extra_second);
         let mut best: Option<(usize, f64, f64)> = None;
@@ -167,7 +188,7 @@ impl<'a> Lookahead<'a> {
     }
 
     /// §6.5: move the first plane within its spacing while the second stays.
-    fn refine(&mut self, choice: Choice, second: Option<(usize, f64)>, spacing: (f64, f64)) -> Choice {
+    fn refine(&self, choice: Choice, second: Option<(usize, f64)>, spacing: (f64, f64)) -> Choice {
         let q = self.question;
         let basis = &q.directions[choice.direction];
         // A plane on a flat face is exact already.
@@ -180,7 +201,7 @@ impl<'a> Lookahead<'a> {
         let offsets: Vec<f64> = (1..=count).map(|i| from + step * i as f64).collect();
         let edges: Vec<(u32, u32)> = q.piece.edges().collect();
         let slack = q.settings.section * q.epsilon;
-        let result = sweep(q.piece, &edges, basis, &offsets, q.forbidden, slack, &mut self.scratch);
+        let result = sweep_here(q.piece, &edges, basis, &offsets, q.forbidden, slack);
         let mut best = choice;
         for (trial, t) in result.trials.iter().enumerate() {
             if empty(&t.below) || empty(&t.above) {
@@ -196,7 +217,7 @@ impl<'a> Lookahead<'a> {
                 let (piece, forbidden) = child(q, &result, &first, below >= above);
                 let edges: Vec<(u32, u32)> = piece.edges().collect();
                 let basis = &q.directions[direction];
-                let next = sweep(&piece, &edges, basis, &[offset], &forbidden, slack, &mut self.scratch);
+                let next = sweep_here(&piece, &edges, basis, &[offset], &forbidden, slack);
                 let t = &next.trials[0];
                 let parts = self.value.join(self.value.cost(&t.below), self.value.cost(&t.above));
                 value += self.value.join(below.min(above), parts);
