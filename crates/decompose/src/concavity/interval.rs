@@ -33,3 +33,13 @@ impl Interval {
         self.lower <= value && value <= self.upper
     }
 }
+
+/// How wide an interval may be: `upper` at most `(1 + relative) · lower`, or at
+/// most `absolute`, a length that nobody tells from zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Share of the lower bound.
+    pub relative: f64,
+    /// In the unit of the mesh.
+    pub absolute: f64,
+}

@@ -2,7 +2,9 @@
 
 mod interval;
 mod limits;
+#[cfg(test)]
+mod shapes;
 pub mod thickening;
 
-pub use interval::Interval;
+pub use interval::{Gap, Interval};
 pub use limits::Limits;
