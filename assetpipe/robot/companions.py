@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
+from assetpipe import secure_xml
 from assetpipe.errors import AssetpipeError
-from assetpipe.geometry.formats import secure_xml
 
 _MAX_BYTES = 256 * 1024 * 1024
 _SUFFIXES = {

@@ -15,7 +15,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from assetpipe.errors import InputError, LimitError, Location
-from assetpipe.geometry.formats.secure_xml import as_utf8, encoding_of
+from assetpipe.secure_xml import as_utf8, encoding_of
 
 MAX_BYTES = 64 * 1024 * 1024
 MAX_ELEMENTS = 1_000_000

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from assetpipe import secure_xml
 from assetpipe.errors import AssetpipeError
-from assetpipe.geometry.formats import secure_xml
 
 _MANIFEST = "package.xml"
 _MAX_ENTRIES = 2000

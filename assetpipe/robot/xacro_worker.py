@@ -9,7 +9,6 @@ import ast
 import json
 import os
 import re
-import string
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,15 +16,14 @@ from typing import Any
 from xml.dom import minidom
 from xml.parsers import expat
 
+from assetpipe import secure_xml
 from assetpipe.errors import AssetpipeError, InputError, Location
-from assetpipe.geometry.formats import secure_xml
 from assetpipe.robot.lookup import Lookup
 from assetpipe.robot.resources import Resolver
 
-_INNER = re.compile(r"_|(gi|cr|ag|f|tb|co|func)_|(format_map|mro)$")
-"""Attributes that lead from a value into the interpreter."""
+_INNER = re.compile(r"_|(gi|cr|ag|f|tb|co|func)_|(format|format_map|mro)$")
+"""Attributes that lead from a value into the interpreter; ``format`` reads attributes too."""
 _REFUSED_BUILTINS = ("vars", "type")
-_PLAIN_FIELD = re.compile(r"\w*")
 
 
 class _Refused(Exception):  # noqa: N818 - told as an error of the file
@@ -63,16 +61,14 @@ def _answer(request: Mapping[str, Any]) -> dict[str, Any]:
 
 def _told(error: Exception, files: list[str | None] | None) -> dict[str, Any]:
     """The error, in the file that xacro was in."""
-    cause = getattr(error, "exc", None)
-    while cause is not None and not isinstance(error, _Refused):
-        error, cause = cause, getattr(cause, "exc", None)
-    message = " ".join(str(error).split()) or type(error).__name__
-    if isinstance(error, AssetpipeError) and error.location is not None:
-        return {
-            "error": error.message,
-            "file": str(error.location.file),
-            "line": error.location.line,
-        }
+    # xacro wraps what went wrong inside of it, several times and each time with the message
+    cause: object = error
+    while cause is not None and not isinstance(cause, _Refused | AssetpipeError):
+        cause = getattr(cause, "exc", None)
+    if isinstance(cause, AssetpipeError) and cause.location is not None:
+        at = cause.location
+        return {"error": cause.message, "file": str(at.file), "line": at.line}
+    message = " ".join(str(cause or error).split()) or type(error).__name__
     where = files[-1] if files else None
     return {"error": message[:500], "file": str(where) if where else None}
 
@@ -107,7 +103,7 @@ class _Guard:
         evaluate, load_yaml = xacro.safe_eval, xacro.load_yaml
 
         def safe_eval(expression: str, names: dict[str, Any], local: Any = None) -> Any:
-            _check_expression(expression)
+            check_expression(expression)
             return evaluate(expression, names, local)
 
         def guarded_yaml(filename: str) -> Any:
@@ -192,36 +188,15 @@ def _without_encoding(data: bytes) -> bytes:
     return re.sub(rb"^(<\?xml[^>]*?)\s+encoding\s*=\s*[\"'][^\"']*[\"']", rb"\1", data, count=1)
 
 
-def _check_expression(expression: str) -> None:
+def check_expression(expression: str) -> None:
     """Refuse an expression that reaches into the interpreter.
 
     Looks at the whole syntax tree: functions and comprehensions inside too.
     """
     tree = ast.parse(expression.strip(), mode="eval")
-    formats = {
-        id(node.func)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
-        if node.func.attr == "format" and _plain_format(node.func.value)
-    }
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
-            inner = _INNER.match(node.attr) is not None
-            if inner or (node.attr == "format" and id(node) not in formats):
+            if _INNER.match(node.attr):
                 raise _Refused(f"'.{node.attr}' is refused in '{expression.strip()[:80]}'")
-        if isinstance(node, ast.Name) and node.id.startswith("__"):
+        elif isinstance(node, ast.Name) and node.id.startswith("__"):
             raise _Refused(f"'{node.id}' is refused in '{expression.strip()[:80]}'")
-
-
-def _plain_format(receiver: ast.expr) -> bool:
-    """Whether a format string is written out and names no attributes or items."""
-    if not (isinstance(receiver, ast.Constant) and isinstance(receiver.value, str)):
-        return False
-    try:
-        fields = list(string.Formatter().parse(receiver.value))
-    except ValueError:
-        return False
-    return all(
-        _PLAIN_FIELD.fullmatch(name or "") and "{" not in (spec or "")
-        for _, name, spec, _ in fields
-    )
