@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from assetpipe import secure_xml
 from assetpipe.errors import InputError, LimitError, Location
-from assetpipe.geometry.formats import secure_xml
 from assetpipe.geometry.formats.dae_geometry import Document, child, children, local, surface
 from assetpipe.geometry.formats.raw import Axis, FileLimits, Part, RawMesh, floats, joined
 from assetpipe.geometry.mesh import FloatArray
