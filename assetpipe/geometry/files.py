@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from assetpipe.errors import InputError, LimitError, Location, MeshError, unknown_name
 from assetpipe.geometry.formats import dae, gltf, obj, off, ply, stl
 from assetpipe.geometry.formats.raw import FileLimits, RawMesh
@@ -75,7 +77,9 @@ def read_mesh(
     data = _bytes(path, limits)
     name, note = _format(data, path)
     try:
-        converted = to_metres_z_up(_FORMATS[name].read(data, path, limits), axes=axes)
+        # what is not finite is an error at the end, not a warning on the way
+        with np.errstate(all="ignore"):
+            converted = to_metres_z_up(_FORMATS[name].read(data, path, limits), axes=axes)
     except MeshError as error:
         if error.location is None:
             raise MeshError(error.message, location=Location(path)) from error

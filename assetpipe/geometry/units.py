@@ -58,8 +58,7 @@ def to_metres_z_up(raw: RawMesh, *, axes: AxisPolicy = "trusted") -> Converted:
     vertices = raw.vertices
     if raw.metres_per_unit != 1.0:
         notes.append(f"unit converted: 1 unit of the file is {raw.metres_per_unit:g} m")
-        with np.errstate(over="ignore", invalid="ignore"):
-            vertices = vertices * raw.metres_per_unit
+        vertices = vertices * raw.metres_per_unit
     if raw.up_axis != "Z_UP":
         if axes == "ignored":
             notes.append(f"declared up-axis {raw.up_axis} ignored as asked")
@@ -70,6 +69,5 @@ def to_metres_z_up(raw: RawMesh, *, axes: AxisPolicy = "trusted") -> Converted:
             )
         else:
             notes.append(f"turned from {raw.up_axis} to Z_UP")
-            with np.errstate(invalid="ignore"):
-                vertices = vertices @ _Z_UP_FROM[raw.up_axis].T
+            vertices = vertices @ _Z_UP_FROM[raw.up_axis].T
     return Converted(Mesh(vertices, raw.faces), (*raw.notes, *notes))

@@ -94,11 +94,13 @@ def _load(fragments: list[str]) -> yourdfpy.Robot:
     import yourdfpy
 
     text = f'<robot name="robot">{"".join(fragments)}</robot>'
-    model = yourdfpy.URDF.load(
-        io.BytesIO(text.encode("utf-8", "xmlcharrefreplace")),
-        build_scene_graph=False,
-        load_meshes=False,
-    )
+    # what is not finite is told later
+    with np.errstate(all="ignore"):
+        model = yourdfpy.URDF.load(
+            io.BytesIO(text.encode("utf-8", "xmlcharrefreplace")),
+            build_scene_graph=False,
+            load_meshes=False,
+        )
     return model.robot
 
 

@@ -208,9 +208,8 @@ def _looking(values: FloatArray) -> FloatArray:
     eye, interest, up = values.reshape(3, 3)
     back = eye - interest
     right = np.cross(up, back)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        back = back / np.linalg.norm(back)
-        right = right / np.linalg.norm(right)
+    back = back / np.linalg.norm(back)
+    right = right / np.linalg.norm(right)
     result = np.eye(4)
     result[:3, :4] = np.stack([right, np.cross(back, right), back, eye], axis=1)
     return result
