@@ -108,16 +108,12 @@ class PairQueries:
     """Links of one robot, or of a scene: placed, then asked pair by pair."""
 
     def __init__(self, bodies: Sequence[LinkBody]) -> None:
-        import fcl
-
         self._bodies = {b.link: b for b in bodies if b.shapes and len(b.faces)}
         self._balls = {name: b.ball for name, b in self._bodies.items()}
         radii = [radius for _, radius in self._balls.values()]
         self._scale = UNITS / (2.0 * max(radii)) if radii and max(radii) > 0 else 1.0
-        self._objects: dict[str, Any] = {
-            name: fcl.CollisionObject(bvh_geometry(b.vertices * self._scale, b.faces))
-            for name, b in self._bodies.items()
-        }
+        self._objects: dict[str, Any] = {}
+        self._stale: set[str] = set()
         self._placed: dict[str, FloatArray] = {}
         self._centres: dict[str, list[float]] = {}
 
@@ -135,16 +131,29 @@ class PairQueries:
         Raises:
             UsageError: a link has no matrix.
         """
-        import fcl
-
-        for name, item in self._objects.items():
+        for name in self._bodies:
             if name not in world_from_link:
                 raise UsageError(unknown_name("link", name, world_from_link))
             matrix = np.asarray(world_from_link[name], dtype=np.float64)
             turn, at = matrix[:3, :3], matrix[:3, 3]
-            item.setTransform(fcl.Transform(turn, at * self._scale))
+            self._stale.add(name)
             self._placed[name] = matrix
             self._centres[name] = (turn @ self._balls[name][0] + at).tolist()
+
+    def _object(self, name: str) -> Any:
+        """The link for FCL where it is now; trees are built once somebody asks."""
+        import fcl
+
+        if name not in self._objects:
+            body = self._bodies[name]
+            geometry = bvh_geometry(body.vertices * self._scale, body.faces)
+            self._objects[name] = fcl.CollisionObject(geometry)
+        if name in self._stale:
+            self._stale.discard(name)
+            matrix = self._placed[name]
+            moved = fcl.Transform(matrix[:3, :3], matrix[:3, 3] * self._scale)
+            self._objects[name].setTransform(moved)
+        return self._objects[name]
 
     def may_touch(self, pair: Pair) -> bool:
         """Whether the bounding balls meet."""
@@ -160,7 +169,7 @@ class PairQueries:
             return False
         result = fcl.CollisionResult()
         a, b = pair
-        fcl.collide(self._objects[a], self._objects[b], fcl.CollisionRequest(), result)
+        fcl.collide(self._object(a), self._object(b), fcl.CollisionRequest(), result)
         return bool(result.is_collision) or self._holds(a, b) or self._holds(b, a)
 
     def gap(self, pair: Pair) -> float:
@@ -176,7 +185,7 @@ class PairQueries:
         import fcl
 
         result = fcl.DistanceResult()
-        first, second = (self._objects[n] for n in pair)
+        first, second = (self._object(n) for n in pair)
         apart = float(fcl.distance(first, second, fcl.DistanceRequest(), result))
         return max(0.0, apart) / self._scale
 

@@ -30,16 +30,22 @@ class _Body:
         flags = b.URDF_USE_INERTIA_FROM_FILE
         if own:
             flags |= b.URDF_USE_SELF_COLLISION
-        # Bullet moves only rigid bodies in maximal coordinates continuously.
-        maximal = bool(continuous and record["single"] and record["base"] != "driven")
-        self.id: int = b.loadURDF(
-            record["urdf"],
-            basePosition=record["position"],
-            baseOrientation=record["quaternion"],
-            useFixedBase=record["base"] == "fixed",
-            useMaximalCoordinates=maximal,
-            flags=flags,
-        )
+        swept = continuous and record["base"] != "driven"
+        # Bullet moves only rigid bodies in maximal coordinates continuously, and of those
+        # only convex ones; its URDF importer makes a compound even of a single hull.
+        maximal = bool(swept and record["single"])
+        self.id: int = -1
+        if maximal and record["convex"] is not None:
+            self.id = self._convex(record["convex"])
+        else:
+            self.id = b.loadURDF(
+                record["urdf"],
+                basePosition=record["position"],
+                baseOrientation=record["quaternion"],
+                useFixedBase=record["base"] == "fixed",
+                useMaximalCoordinates=maximal,
+                flags=flags,
+            )
         self.link = {record["links"][0]: -1}
         self.joint: dict[str, int] = {}
         if not maximal:
@@ -49,6 +55,21 @@ class _Body:
                 if info[2] != b.JOINT_FIXED:
                     self.joint[info[1].decode()] = i
         self._back = b.invertTransform(record["inertial_position"], record["inertial_quaternion"])
+
+    def _convex(self, convex: dict[str, Any]) -> int:
+        b, record = self.b, self.record
+        shape = b.createCollisionShape(b.GEOM_MESH, fileName=convex["obj"])
+        made = b.createMultiBody(
+            0.0 if record["base"] == "fixed" else convex["mass"],
+            shape,
+            basePosition=record["position"],
+            baseOrientation=record["quaternion"],
+            useMaximalCoordinates=True,
+        )
+        if record["base"] != "fixed":
+            # Without the mass beside it PyBullet makes the inertia of such a body NaN.
+            b.changeDynamics(made, -1, mass=convex["mass"], localInertiaDiagonal=convex["inertia"])
+        return int(made)
 
     def base_pose(self) -> list[float]:
         """Pose of the base link's frame: x, y, z and quaternion x, y, z, w."""

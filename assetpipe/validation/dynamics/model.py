@@ -63,13 +63,25 @@ def write_model(
     urdf = folder / f"{asset.name}.urdf"
     urdf.write_text("\n".join(parts), encoding="utf-8")
     inertial = asset.links[0].inertial
-    centre, turn = _principal(inertial)[:2] if inertial else (np.zeros(3), np.eye(3))
+    centre, turn, principal = np.zeros(3), np.eye(3), np.full(3, LEAST_INERTIA)
+    if inertial is not None:
+        centre, turn, principal = _principal(inertial)
+    convex = None
+    centred = not centre.any() and bool((turn == np.eye(3)).all())
+    touches = plan.role(asset.name, asset.links[0].name) in ("moves", "frozen")
+    if len(asset.links) == 1 and len(asset.links[0].shapes) == 1 and centred and touches:
+        convex = {
+            "obj": str(folder / f"{asset.links[0].shapes[0].digest[:24]}.obj"),
+            "mass": inertial.mass if inertial is not None else 0.0,
+            "inertia": principal.tolist(),
+        }
     return {
         "name": asset.name,
         "urdf": str(urdf),
         "base": asset.base,
         "links": [link.name for link in asset.links],
         "single": len(asset.links) == 1,
+        "convex": convex,
         "position": asset.world_from_base[:3, 3].tolist(),
         "quaternion": quaternion(asset.world_from_base[:3, :3]),
         "inertial_position": centre.tolist(),
@@ -95,11 +107,14 @@ def _principal(inertial: Inertial) -> tuple[FloatArray, FloatArray, FloatArray]:
     # Nearly diagonal tensors keep their axes: fewer turned frames, easier to read.
     scale = float(np.abs(inertial.inertia).max())
     off = inertial.inertia - np.diag(np.diag(inertial.inertia))
-    if float(np.abs(off).max()) <= 1e-12 * scale:
+    if float(np.abs(off).max()) <= 1e-9 * scale:
         values, axes = np.diag(inertial.inertia).copy(), np.eye(3)
     elif np.linalg.det(axes) < 0:
         axes[:, 0] = -axes[:, 0]
-    return inertial.centre, axes, np.maximum(values, LEAST_INERTIA)
+    # Bullet keeps a single hull convex (and so able to move continuously) only where its
+    # frame is the inertial frame exactly: rounding must not shift it.
+    centre = np.where(np.abs(inertial.centre) < 1e-9, 0.0, inertial.centre)
+    return centre, axes, np.maximum(values, LEAST_INERTIA)
 
 
 def _joint_text(joint: SceneJoint, position: float, active: bool, limits: bool) -> str:

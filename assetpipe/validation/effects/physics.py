@@ -228,7 +228,8 @@ def _continuous_collision(p: Physics, step: float, travel: float) -> Effect:
     if thin is None or not p.pairs:
         return _off("continuous_collision", "nothing touches")
     width, (asset, link) = thin
-    radius = 0.4 * min(width, _smallest_mover(p, width))
+    # The swept ball must fit into what moves; the thinner part is what it must not miss.
+    radius = 0.4 * _smallest_mover(p, width)
     said = (
         f"{travel * 1000:.3g} mm a step of {step * 1000:.3g} ms against the thinnest part, "
         f"{width * 1000:.3g} mm ('{asset}/{link}')"

@@ -69,7 +69,9 @@ def run_dynamics(
     told = answer.answer
     if not told.get("loaded"):
         raise SimulationError(f"{engine} refused the scene: {told.get('message')}")
-    measured = _read(scene, assets, plan, told)
+    if not _finite(told):
+        raise SimulationError(f"{engine}: the state is no longer finite, the simulation exploded")
+    measured = _read(scene, assets, told)
     return Simulated(measured, float(told["build_seconds"]), float(told["run_seconds"]))
 
 
@@ -215,9 +217,16 @@ def _configurations(scene: Scene, assets: Mapping[str, SceneAsset]) -> dict[str,
 # -- reading the answer -------------------------------------------------------
 
 
-def _read(
-    scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan, told: Mapping[str, Any]
-) -> Measured:
+def _finite(value: Any) -> bool:
+    """Whether every number in an answer is finite."""
+    if isinstance(value, dict):
+        return all(_finite(v) for v in value.values())
+    if isinstance(value, list):
+        return all(_finite(v) for v in value)
+    return not isinstance(value, float) or math.isfinite(value)
+
+
+def _read(scene: Scene, assets: Mapping[str, SceneAsset], told: Mapping[str, Any]) -> Measured:
     if scene.question == "self_collision":
         return _self_collision(told["configurations"])
     states, path = told["states"], told["path"]
@@ -229,7 +238,7 @@ def _read(
     if scene.question == "contact":
         return Measured(
             any(d <= 0.0 for d in told["distances"]),
-            min(told["distances"], default=math.inf),
+            min(told["distances"], default=None),
             "m",
             evidence,
         )

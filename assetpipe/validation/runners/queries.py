@@ -30,13 +30,13 @@ class Measured:
 
     Attributes:
         answer: yes or no; ``None`` where the question only measures.
-        measure: the number behind it.
+        measure: the number behind it; ``None`` where there is nothing to measure.
         unit: of the measure.
         evidence: what else was seen, JSON-ready.
     """
 
     answer: bool | None
-    measure: float
+    measure: float | None
     unit: str
     evidence: Mapping[str, Any]
 
@@ -64,7 +64,7 @@ def _still(scene: Scene, plan: Plan, world: QueryWorld) -> Measured:
 
 def _clearance(scene: Scene, gaps: Mapping[tuple[Ref, Ref], float]) -> Measured:
     if not gaps:
-        return Measured(None, math.inf, "m", {})
+        return Measured(None, None, "m", {})
     (a, b), least = min(gaps.items(), key=lambda item: item[1])
     answer = None if scene.limit is None else least >= scene.limit
     return Measured(answer, least, "m", {"nearest": [key(a), key(b)]})
@@ -162,12 +162,13 @@ def _sweep(scene: Scene, assets: Mapping[str, SceneAsset], plan: Plan) -> Measur
         speeds = {p: motion.speed(p[0]) + motion.speed(p[1]) for p in stepped}
         found = _advance(place, world, plan.seconds, speeds, fine)
     found = _joined(found, {p: g for p, g in swept.items() if p not in blocked}, plan.seconds)
+    # Nothing that can get there leaves nothing to measure.
+    least = found.least if found.least >= 0.0 else None
     if scene.question == "clearance":
-        answer = None if scene.limit is None else found.least >= scene.limit
-        return Measured(answer, found.least, "m", found.evidence)
-    if scene.question == "contact":
-        return Measured(found.touched is not None, found.least, "m", found.evidence)
-    return Measured(found.touched is None, found.least, "m", found.evidence)
+        wide = least is None or scene.limit is None or least >= scene.limit
+        return Measured(None if scene.limit is None else wide, least, "m", found.evidence)
+    touched = found.touched is not None
+    return Measured(touched == (scene.question == "contact"), least, "m", found.evidence)
 
 
 @dataclass(frozen=True)

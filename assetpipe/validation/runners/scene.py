@@ -14,7 +14,8 @@ from assetpipe.findings import Finding, Severity
 from assetpipe.validation.dynamics.process import default_engine
 from assetpipe.validation.effects import EFFECTS, Plan, plan
 from assetpipe.validation.effects.plan import Backend
-from assetpipe.validation.runners import Measured, SimulationError, run_dynamics, run_queries
+from assetpipe.validation.runners.dynamics import SimulationError, run_dynamics
+from assetpipe.validation.runners.queries import Measured, run_queries
 from assetpipe.validation.scenes.assets import SceneAsset
 from assetpipe.validation.scenes.build import AssetProvider, build_assets
 from assetpipe.validation.scenes.schema import EffectName, Scene, Switch, load_scene
@@ -125,12 +126,18 @@ class SceneResult:
                     "AP410",
                     Severity.ERROR,
                     f"scene '{self.name}' ({self.question}): {said}, "
-                    f"{self.measured.measure:.4g} {self.measured.unit}; expected "
+                    f"{_number(self.measured)}; expected "
                     f"{self.expectation}",
                     where,
                 ),
             )
         return ()
+
+
+def _number(measured: Measured) -> str:
+    if measured.measure is None:
+        return "nothing to measure"
+    return f"{measured.measure:.4g} {measured.unit}"
 
 
 @dataclass(frozen=True)
@@ -279,7 +286,10 @@ def same_answer(
     comparable = first.unit == second.unit and (
         scene.expect.measure is not None or first.answer is None
     )
-    if same and comparable and planned.method != "nothing" and other_plan.method != "nothing":
+    moved = planned.method != "nothing" and other_plan.method != "nothing"
+    if first.measure is None or second.measure is None:
+        return same and first.measure == second.measure if comparable else same
+    if same and comparable and moved:
         return abs(first.measure - second.measure) <= scene.expect.tolerance
     return same
 
@@ -298,5 +308,6 @@ def _expected(scene: Scene, measured: Measured | None) -> tuple[bool | None, str
     if wanted.answer is not None:
         fits = measured.answer is (wanted.answer == "yes")
     if wanted.measure is not None:
-        fits = fits and abs(measured.measure - wanted.measure) <= wanted.tolerance
+        told = measured.measure
+        fits = fits and told is not None and abs(told - wanted.measure) <= wanted.tolerance
     return fits, said
