@@ -58,5 +58,5 @@ def command(inputs: tuple[Path, ...], out: Path, **given: Any) -> int:
             mode="compare" if given["check"] else "write",
             on_progress=listener,
         )
-    deliver(result, given, stream=sys.stdout)
+    deliver(result, given, inputs, stream=sys.stdout)
     return result.exit_code

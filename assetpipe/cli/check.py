@@ -44,5 +44,5 @@ def command(inputs: tuple[Path, ...], **given: Any) -> int:
             cluster=given["cluster"],
             on_progress=listener,
         )
-    deliver(result, given, stream=sys.stdout)
+    deliver(result, given, inputs, stream=sys.stdout)
     return result.exit_code

@@ -55,5 +55,5 @@ def command(mesh: Path, out: Path, **given: Any) -> int:
             cluster=given["cluster"],
             on_progress=listener,
         )
-    deliver(result, given, stream=sys.stdout)
+    deliver(result, given, (mesh,), stream=sys.stdout)
     return result.exit_code

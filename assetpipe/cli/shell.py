@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import importlib
 import os
+import shutil
 import signal
 import sys
 import types
+from collections.abc import Sequence
 
 import click
 
 import assetpipe
 from assetpipe.errors import AssetpipeError, CancelledError, EngineError, unknown_name
+from assetpipe.pipeline.quick import Command, again
 
 COMMANDS = {
     "build": "Decompose the collision meshes of robots, write a validated package.",
@@ -87,6 +90,12 @@ def run(arguments: list[str]) -> int:
             signal.signal(signal.SIGTERM, previous)
 
 
+def command_of(arguments: Sequence[str]) -> Command:
+    """The command line as :mod:`assetpipe.pipeline.quick` remembers it."""
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 0
+    return Command(tuple(arguments), width)
+
+
 class _Terminated(BaseException):
     """SIGTERM: unwinds like Ctrl-C, so that nothing half-written stays."""
 
@@ -103,7 +112,11 @@ def _on_terminate() -> signal.Handlers | None:
 
 def _run(arguments: list[str]) -> int:
     try:
-        code = group.main(arguments, prog_name="assetpipe", standalone_mode=False)
+        done = again(command_of(arguments))
+        if done is not None:
+            click.echo(done[1], nl=False)
+            return done[0]
+        code = group.main(arguments, prog_name="assetpipe", standalone_mode=False, obj=arguments)
     except click.exceptions.Exit as leave:
         return leave.exit_code
     except click.ClickException as error:

@@ -31,11 +31,13 @@ class Built:
         target: what was built, and where.
         robot: the result, its files relative to the target's folder.
         changed: files that differ from what was there before, relative likewise.
+        key: of the ledger's entry; ``None`` if there is none.
     """
 
     target: Target
     robot: RobotResult
     changed: tuple[str, ...]
+    key: str | None
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Batch:
         results: dict[Target, Built] = {}
         for target in targets:
             self.stop_if_cancelled()
-            known = self._recall(target, prints[target])
+            known = self.recall(target, prints[target])
             if known is not None:
                 results[target] = known
         missing = [target for target in targets if target not in results]
@@ -96,10 +98,11 @@ class Batch:
             return stage.commit()
         return stage.differences() if self.mode == "compare" else ()
 
-    def _recall(self, target: Target, key: str | None) -> Built | None:
+    def recall(self, target: Target, key: str | None) -> Built | None:
+        """What the ledger has under a key, written if that is asked."""
         if key is None:
             return None
         self.on_progress(Progress("read", target.source.path.name, 0, 0))
         with self.stage(target) as stage:
             robot = recall(self.cache, key, stage)
-            return Built(target, robot, self.settle(stage)) if robot is not None else None
+            return Built(target, robot, self.settle(stage), key) if robot is not None else None

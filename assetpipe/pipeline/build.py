@@ -19,6 +19,8 @@ from assetpipe.pipeline.executors.task import Cancelled
 from assetpipe.pipeline.inputs import find_sources
 from assetpipe.pipeline.output import PROVENANCE
 from assetpipe.pipeline.progress import Listener, Token, cancelled_by, silent
+from assetpipe.pipeline.quick import Part
+from assetpipe.pipeline.references import references
 from assetpipe.pipeline.result import BuildResult
 from assetpipe.pipeline.shards import Shard
 from assetpipe.pipeline.tampering import edited_files
@@ -104,6 +106,7 @@ def build_all(
         findings=(*lost, *(f for item in built for f in item.robot.findings), *stale),
         changed=tuple(item.target.prefix + name for item in built for name in item.changed),
         seconds=time.monotonic() - began,
+        parts=None if lost or len(built) < len(chosen) else _parts(built),
     )
 
 
@@ -133,6 +136,16 @@ def check(
     )
     edited = tuple(finding for path in inputs for finding in edited_files(Path(path)))
     return replace(result, findings=(*result.findings, *edited))
+
+
+def _parts(built: Sequence[Built]) -> tuple[Part, ...] | None:
+    parts: list[Part] = []
+    for item in built:
+        found = references(item.target.source)
+        if found is None or item.key is None:
+            return None
+        parts.append(Part(item.target.source, item.target.out, found, item.key))
+    return tuple(parts)
 
 
 def _stale(built: Sequence[Built]) -> tuple[Finding, ...]:

@@ -9,13 +9,14 @@ from assetpipe.findings import Finding
 from assetpipe.pipeline.batch import Batch, Built
 from assetpipe.pipeline.conclude import conclude
 from assetpipe.pipeline.executors.choose import cores, executor_for
+from assetpipe.pipeline.fingerprint import fingerprint
 from assetpipe.pipeline.identity import digest_mesh
 from assetpipe.pipeline.memory import remember
 from assetpipe.pipeline.package import Draft, Worked, draft
 from assetpipe.pipeline.plan import make_plan
 from assetpipe.pipeline.progress import Progress
 from assetpipe.pipeline.proof import prove
-from assetpipe.pipeline.reading import read_sources
+from assetpipe.pipeline.reading import Read, read_sources
 from assetpipe.pipeline.run import run_jobs
 from assetpipe.pipeline.targets import Target
 
@@ -30,7 +31,20 @@ def compute(
     """
     batch.on_progress(Progress("read", targets[0].source.path.name, 0, 0))
     by_source = {target.source: target for target in targets}
-    read, lost = read_sources([target.source for target in targets])
+    found, lost = read_sources([target.source for target in targets])
+    results: dict[Target, Built] = {}
+    keys = dict(prints)
+    read: list[Read] = []
+    for item in found:
+        target = by_source[item.source]
+        if keys[target] is None and item.source.kind == "robot":
+            # A xacro file can be judged now that it is expanded.
+            keys[target] = fingerprint(item.source, batch.config, item.robot.source)
+            known = batch.recall(target, keys[target])
+            if known is not None:
+                results[target] = known
+                continue
+        read.append(item)
     plan = make_plan([item.robot for item in read], batch.config, digest_mesh)
     with executor_for(batch.config.jobs, batch.cluster) as executor:
         done = run_jobs(
@@ -42,7 +56,6 @@ def compute(
             cancelled=batch.cancelled,
         )
     worked = Worked(plan.jobs, done)
-    results: dict[Target, Built] = {}
     width = batch.config.jobs or cores()
     for start in range(0, len(read), width):
         group = range(start, min(start + width, len(read)))
@@ -67,12 +80,12 @@ def compute(
             for finished, proof in zip(drafts, proofs, strict=True):
                 target = by_source[finished.read.source]
                 robot, outputs, inputs = conclude(finished, proof, batch.config)
-                key = prints[target]
-                if key is not None and remembered(finished):
+                key = keys[target] if remembered(finished) else None
+                if key is not None:
                     stage = finished.stage
                     remember(batch.cache, key, robot, stage, outputs=outputs, inputs=inputs)
                 changed = batch.settle(finished.stage)
-                results[target] = Built(target, robot, changed)
+                results[target] = Built(target, robot, changed, key)
     return results, lost
 
 

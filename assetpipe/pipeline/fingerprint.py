@@ -1,66 +1,23 @@
-"""What decides a build of one source, without parsing it as a robot.
-
-Reading a robot costs more than all the rest of an unchanged build; the description's
-markup and where its references lead are enough to know that nothing has changed.
-"""
+"""What decides a build of one source: itself, its references, and what is asked."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
-from assetpipe.errors import AssetpipeError
 from assetpipe.pipeline.config import Config
-from assetpipe.pipeline.identity import code_stamp, digest_mesh, digest_of, versions
+from assetpipe.pipeline.identity import code_stamp, digest_of, versions
 from assetpipe.pipeline.inputs import Source
-from assetpipe.robot.markup import Element, read_markup
-from assetpipe.robot.resources import Resolver
+from assetpipe.pipeline.references import references
 
 
-def fingerprint(source: Source, config: Config) -> str | None:
-    """A digest; ``None`` if the source can only be judged by reading it (xacro)."""
-    text = b""
-    try:
-        if source.kind == "mesh":
-            references = [(source.path.name, "found", "", digest_mesh(source.path))]
-        elif source.path.suffix.lower() == ".xacro":
-            return None
-        else:
-            text = source.path.read_bytes()
-            references = list(_references(source.path, text))
-    except (AssetpipeError, OSError):
+def fingerprint(source: Source, config: Config, expanded: bytes | None = None) -> str | None:
+    """A digest; ``None`` if the source cannot be judged (see :func:`references`)."""
+    found = references(source, expanded)
+    if found is None:
         return None
     return digest_of(
         {
             "code": code_stamp(),
             "versions": versions(config.engine),
             "config": config.as_dict(),
-            "path": str(source.path),
-            "source": text.decode("latin-1"),
-            "references": references,
+            "references": found,
         }
     )
-
-
-def _references(path: Path, text: bytes) -> Iterator[tuple[str, str, str, str]]:
-    """What every reference leads to, with its digest; then the package that it lies in."""
-    lookup = Resolver.from_environment().beside(path)
-    for uri in dict.fromkeys(_uris(read_markup(text, path).root)):
-        resolution = lookup.resolve(uri)
-        found = resolution.path is not None and resolution.path.is_file()
-        digest = digest_mesh(resolution.path) if resolution.path is not None and found else ""
-        yield uri, resolution.state, str(resolution.path), digest
-    package = lookup.package
-    if package is not None:
-        manifest = package.root / "package.xml"
-        digest = digest_mesh(manifest) if manifest.is_file() else ""
-        yield package.name, str(package.declared), str(package.root), digest
-
-
-def _uris(root: Element) -> Iterator[str]:
-    for element in root.walk():
-        named = element.attributes.get("filename", "")
-        if named:
-            yield named
-        if "://" in element.text:
-            yield element.text.strip()

@@ -8,6 +8,7 @@ and looked at again, so a changed texture is noticed too.
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any
 
 from assetpipe.pipeline.cache import Cache
 from assetpipe.pipeline.identity import digest_file
+from assetpipe.pipeline.output import Stage
 
 ROOM = "builds"
 
@@ -35,6 +37,13 @@ class Entry:
     result: Mapping[str, Any]
     files: Mapping[str, bytes]
     copies: Mapping[str, str]
+
+    def write(self, stage: Stage) -> None:
+        """Stage the package."""
+        for name, data in self.files.items():
+            stage.path(name).write_bytes(data)
+        for name, source in self.copies.items():
+            shutil.copyfile(source, stage.path(name))
 
 
 def remember(

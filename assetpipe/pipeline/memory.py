@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from typing import Any
 
@@ -53,10 +52,7 @@ def recall(cache: Cache, key: str, stage: Stage) -> RobotResult | None:
     if entry is None:
         return None
     record = _replaced(entry.result, _OUT, str(stage.out))
-    for name, data in entry.files.items():
-        stage.path(name).write_bytes(data)
-    for name, source in entry.copies.items():
-        shutil.copyfile(source, stage.path(name))
+    entry.write(stage)
     keys = record["keys"]
 
     def load(index: int) -> Any:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from assetpipe.decomposition import Certificate
     from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
     from assetpipe.pipeline.outcome import MeshOutcome
+    from assetpipe.pipeline.quick import Part
 
 Treatment = Literal["decomposed", "kept", "primitive"]
 
@@ -260,6 +261,7 @@ class BuildResult:
         findings: all of them, in order.
         changed: files that differ from what OUT held before, relative to it.
         seconds: the whole took.
+        parts: what the ledger remembers of it; ``None`` if it does not remember all.
     """
 
     out: Path
@@ -267,6 +269,7 @@ class BuildResult:
     findings: tuple[Finding, ...]
     changed: tuple[str, ...] = ()
     seconds: float = 0.0
+    parts: tuple[Part, ...] | None = field(default=None, repr=False, compare=False)
 
     @property
     def robot(self) -> RobotResult:
