@@ -75,8 +75,9 @@ class Lookup:
             if text.lower().startswith(scheme):
                 name, _, rest = text[len(scheme) :].lstrip("/").partition("/")
                 return self._in_package(uri, name, rest, scheme)
-        if text.startswith("$(find "):
-            name, closed, rest = text[len("$(find ") :].partition(")")
+        unexpanded = text.removeprefix("file://")
+        if unexpanded.startswith("$(find "):
+            name, closed, rest = unexpanded[len("$(find ") :].partition(")")
             if closed:
                 return self._in_package(uri, name.strip(), rest.lstrip("/"), "package://")
         if text.lower().startswith("file:"):

@@ -29,7 +29,7 @@ def is_binary(data: bytes) -> bool:
 
 def is_ascii(data: bytes) -> bool:
     """Whether the text reads like an ASCII STL."""
-    head = data[:4096].lstrip().lower()
+    head = data[: 1 << 16].lstrip().lower()
     return head.startswith(b"solid") and (b"facet" in head or b"endsolid" in head)
 
 

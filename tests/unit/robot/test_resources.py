@@ -44,6 +44,7 @@ def resolve(package: Path, uri: str, resolver: Resolver | None = None) -> Resolu
         ("package://arm/urdf/../meshes/a.stl", "meshes/a.stl", "package.xml"),
         ("model://arm/meshes/a.stl", "meshes/a.stl", "package.xml"),
         ("$(find arm)/meshes/a.stl", "meshes/a.stl", "package.xml"),
+        ("file://$(find arm)/meshes/a.stl", "meshes/a.stl", "package.xml"),
         ("package://arm_folder/meshes/a.stl", "meshes/a.stl", "folder name"),
         ("package://meshes/a.stl", "meshes/a.stl", "folder name"),
         ("package://unknown/meshes/a.stl", "meshes/a.stl", "walk up"),

@@ -159,6 +159,13 @@ def test_additions_change_no_other_byte(tmp_path: Path, link: str) -> None:
         assert SOURCE.startswith(pieces[0].rstrip())
 
 
+def test_additions_beside_elements_that_go(tmp_path: Path) -> None:
+    new = [NewCollision(HullMesh("h.obj"), np.eye(4))]
+    written = write_urdf(robot(tmp_path), {("a", 0): [], ("a", 1): []}, {"a": new})
+    link = etree.fromstring(written).find("link[@name='a']")
+    assert [c.find("geometry/mesh").get("filename") for c in link.findall("collision")] == ["h.obj"]
+
+
 def test_what_is_asked_must_be_there(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="link 'aa' not found; did you mean 'a'"):
         write_urdf(robot(tmp_path), {("aa", 0): []})
