@@ -88,6 +88,10 @@ def decompose(
     _check(metric, effort, cavities)
     if reach < 0:
         raise UsageError(f"reach must not be negative, not {reach}")
+    if max_hull_vertices is not None and max_hull_vertices < 4:
+        raise UsageError(f"max_hull_vertices must be at least 4, not {max_hull_vertices}")
+    if max_hulls is not None and max_hulls < 1:
+        raise UsageError(f"max_hulls must be at least 1, not {max_hulls}")
     if threads is not None and threads < 1:
         raise UsageError(f"threads must be at least 1, not {threads}")
     wanted = Tolerance.parse(tolerance)
@@ -96,6 +100,7 @@ def decompose(
     settings: dict[str, str | float] = {
         **_SETTINGS[effort],
         "seed": seed,
+        "most_vertices": max_hull_vertices or 0,
         **(params.search if params else {}),
     }
     found, leaves = _core.decompose(

@@ -3,7 +3,7 @@
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use rayon::prelude::*;
 
 use crate::candidates::frame;
@@ -14,7 +14,7 @@ use crate::engine::decompose_working;
 use crate::error::DecomposeError;
 use crate::finish::Finish;
 use crate::hierarchy::{build, Node};
-use crate::merge::{volume, Proved};
+use crate::merge::volume;
 use crate::settings::{FrameChoice, SearchSettings};
 use crate::working::Working;
 
@@ -60,7 +60,8 @@ pub fn decompose(
     if own <= 1e-12 * volume(&hull) {
         return Err(DecomposeError::Flat { dimension: 3 });
     }
-    if is_convex(mesh, &hull) {
+    let affordable = settings.most_vertices == 0 || hull.vertices.len() <= settings.most_vertices;
+    if affordable && is_convex(mesh, &hull) {
         let hull = Hull {
             volume: volume(&hull),
             mesh: hull,
@@ -102,15 +103,14 @@ fn concave(
         return Err(DecomposeError::Tolerance { epsilon });
     }
     let cover = decompose_working(&copy, &solid, target, settings, control)?;
-    let finish = Finish { working: &working, solid: &solid, epsilon: target, slim: settings.slim, limits: &limits };
+    let finish = Finish { working: &working, solid: &solid, epsilon: target, slim: settings.slim, most_vertices: settings.most_vertices, limits: &limits };
     let finished = cover.hulls.par_iter().map(|h| finish.run(h, &cover.parts)).collect::<Result<Vec<_>, _>>()?;
     let leaves = finished.len();
-    let (meshes, proved): (Vec<Mesh>, Vec<Proved>) = finished.into_iter().unzip();
-    let nodes = build(&solid, proved, &limits);
+    let nodes = build(&finish, finished)?;
     if control.is_cancelled() {
         return Err(DecomposeError::Cancelled);
     }
-    let hulls = outputs(&working, &nodes, meshes)?;
+    let hulls = nodes.into_iter().map(|node| output(&working, node)).collect();
     control.report(1.0);
     Ok(Decomposition { hulls, leaves })
 }
@@ -138,36 +138,17 @@ fn flat(error: HullError) -> DecomposeError {
     }
 }
 
-/// The nodes in the frame of the input; `meshes` are the leaves' hulls there.
-fn outputs(working: &Working, nodes: &[Node], meshes: Vec<Mesh>) -> Result<Vec<Hull>, DecomposeError> {
-    let mut hulls: Vec<Hull> = Vec::with_capacity(nodes.len());
-    let mut leaves = meshes.into_iter();
-    for node in nodes {
-        let mesh = match node.children {
-            None => leaves.next().ok_or_else(|| DecomposeError::Internal("a leaf has no hull".into()))?,
-            Some(children) => {
-                let points: Vec<DVec3> =
-                    children.iter().flat_map(|&c| hulls[c as usize].mesh.vertices.iter().copied()).collect();
-                convex_hull(&points).map_err(internal)?
-            }
-        };
-        let out = |x: f64| working.input_length(x);
-        let Interval { lower, upper } = node.proved.thickening;
-        hulls.push(Hull {
-            volume: volume(&mesh),
-            mesh,
-            thickening: Interval {
-                lower: (out(lower) - 2.0 * working.rounding()).max(0.0),
-                upper: out(upper) + 2.0 * working.rounding(),
-            },
-            concavity: None,
-            children: node.children,
-        });
+fn output(working: &Working, node: Node) -> Hull {
+    let out = |x: f64| working.input_length(x);
+    let Interval { lower, upper } = node.proved.thickening;
+    Hull {
+        volume: volume(&node.mesh),
+        mesh: node.mesh,
+        thickening: Interval {
+            lower: (out(lower) - 2.0 * working.rounding()).max(0.0),
+            upper: out(upper) + 2.0 * working.rounding(),
+        },
+        concavity: None,
+        children: node.children,
     }
-    Ok(hulls)
-}
-
-#[allow(clippy::needless_pass_by_value)]
-fn internal(error: HullError) -> DecomposeError {
-    DecomposeError::Internal(error.to_string())
 }

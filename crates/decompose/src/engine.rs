@@ -84,7 +84,7 @@ pub fn decompose_working(
         }
     }
     if settings.merging {
-        done = merge(solid, done, epsilon, &mut witnesses, &limits);
+        done = merge(solid, done, epsilon, settings.merge_order, &mut witnesses, &limits);
     }
     if cancelled() {
         return Err(DecomposeError::Cancelled);

@@ -2,13 +2,14 @@
 //! coordinates, with fewer vertices, proved again.
 
 use assetpipe_geometry::distance::SolidIndex;
-use assetpipe_geometry::hull::{convex_hull, simplify_within};
+use assetpipe_geometry::hull::{convex_hull, simplify_outward, simplify_within};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
 use crate::concavity::thickening::{decide, Decision};
 use crate::concavity::Limits;
 use crate::error::DecomposeError;
+use crate::hierarchy::bracket;
 use crate::merge::Proved;
 use crate::working::Working;
 
@@ -25,6 +26,8 @@ pub struct Finish<'a> {
     pub epsilon: f64,
     /// How far simplification may reach outward, in ε; 0 for none.
     pub slim: f64,
+    /// Most vertices a hull may have; 0 for any number.
+    pub most_vertices: usize,
     /// Limits of proofs.
     pub limits: &'a Limits<'a>,
 }
@@ -47,31 +50,56 @@ impl Finish<'_> {
             .flat_map(|&m| parts[m as usize].iter().map(|&p| self.working.input(p)))
             .collect();
         let exact = convex_hull(&points).map_err(|e| internal(&e))?;
+        if let Some((mesh, proved)) = self.slimmed(&exact, group) {
+            if self.most_vertices == 0 || mesh.vertices.len() <= self.most_vertices {
+                return Ok((mesh, proved));
+            }
+        }
+        if self.most_vertices == 0 || exact.vertices.len() <= self.most_vertices {
+            // The exact hull differs from the proved one by rounding alone.
+            return Ok((exact, group.clone()));
+        }
+        // A budget is met outwards whatever it costs; the bound tells the cost.
+        let mesh = self.within_budget(exact)?;
+        let hull = self.image(&mesh)?;
+        let thickening = bracket(self.solid, &hull, group.thickening.lower, 1.05, self.limits);
+        Ok((mesh, Proved { hull, thickening, members: group.members.clone() }))
+    }
+
+    /// The hull with fewer vertices, if one within ε is found.
+    fn slimmed(&self, exact: &Mesh, group: &Proved) -> Option<(Mesh, Proved)> {
         let mut slim = self.slim * self.epsilon;
         let least = 0.1 * slim;
         while exact.vertices.len() > FEW && slim > 0.0 && slim >= least {
-            let reach = self.working.input_length(slim);
-            if let Ok(simple) = simplify_within(&exact, reach) {
-                if simple.vertices.len() < exact.vertices.len() {
-                    if let Some(proved) = self.prove(&simple, group) {
-                        return Ok((simple, proved));
-                    }
+            let simple = simplify_within(exact, self.working.input_length(slim)).ok()?;
+            if simple.vertices.len() < exact.vertices.len() {
+                let hull = self.image(&simple).ok()?;
+                if let Decision::Within(thickening) = decide(self.solid, &hull, self.epsilon, self.limits) {
+                    return Some((simple, Proved { hull, thickening, members: group.members.clone() }));
                 }
             }
             slim *= 0.3;
         }
-        // The exact hull differs from the proved one by rounding alone.
-        Ok((exact, group.clone()))
+        None
     }
 
-    fn prove(&self, hull: &Mesh, group: &Proved) -> Option<Proved> {
-        let points: Vec<DVec3> = hull.vertices.iter().map(|&p| self.working.work(p)).collect();
-        let work = convex_hull(&points).ok()?;
-        match decide(self.solid, &work, self.epsilon, self.limits) {
-            Decision::Within(thickening) => {
-                Some(Proved { hull: work, thickening, members: group.members.clone() })
-            }
-            _ => None,
+    /// At most `most_vertices` vertices, by simplification outward.
+    ///
+    /// # Errors
+    /// [`DecomposeError::Internal`] for a hull without volume.
+    pub fn within_budget(&self, hull: Mesh) -> Result<Mesh, DecomposeError> {
+        if self.most_vertices == 0 || hull.vertices.len() <= self.most_vertices {
+            return Ok(hull);
         }
+        simplify_outward(&hull, self.most_vertices).map_err(|e| DecomposeError::Internal(e.to_string()))
+    }
+
+    /// The working copy of a hull of the input.
+    ///
+    /// # Errors
+    /// [`DecomposeError::Internal`] for a hull without volume.
+    pub fn image(&self, hull: &Mesh) -> Result<Mesh, DecomposeError> {
+        let points: Vec<DVec3> = hull.vertices.iter().map(|&p| self.working.work(p)).collect();
+        convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))
     }
 }

@@ -10,10 +10,13 @@ use std::collections::BinaryHeap;
 
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::convex_hull;
+use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
 use crate::concavity::thickening::{decide, Decision};
 use crate::concavity::{Interval, Limits};
+use crate::error::DecomposeError;
+use crate::finish::Finish;
 use crate::merge::Proved;
 
 /// Bounds of coarser levels are at most about this far apart: they are read,
@@ -23,46 +26,48 @@ const SLACK: f64 = 1.15;
 /// A node: a leaf, or the hull of two earlier nodes.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// The hull with its bound.
+    /// The hull in the input's coordinates.
+    pub mesh: Mesh,
+    /// Its working copy with the bound.
     pub proved: Proved,
     /// Indices of the two nodes it replaces.
     pub children: Option<[u32; 2]>,
 }
 
 /// Merge on until one hull is left, least estimated thickening first.
-pub fn build(solid: &SolidIndex, leaves: Vec<Proved>, limits: &Limits<'_>) -> Vec<Node> {
-    let mut nodes: Vec<Node> = leaves.into_iter().map(|proved| Node { proved, children: None }).collect();
+///
+/// # Errors
+/// [`DecomposeError::Internal`] for hulls without volume.
+pub fn build(finish: &Finish<'_>, leaves: Vec<(Mesh, Proved)>) -> Result<Vec<Node>, DecomposeError> {
+    let mut nodes: Vec<Node> =
+        leaves.into_iter().map(|(mesh, proved)| Node { mesh, proved, children: None }).collect();
     let mut open: Vec<bool> = vec![true; nodes.len()];
     let mut queue: BinaryHeap<Reverse<(u64, u32, u32)>> = BinaryHeap::new();
     for i in 0..nodes.len() {
         for j in i + 1..nodes.len() {
-            offer(solid, &nodes, i, j, &mut queue);
+            offer(finish.solid, &nodes, i, j, &mut queue);
         }
     }
     while let Some(Reverse((bits, i, j))) = queue.pop() {
-        if (limits.cancelled)() {
-            break;
+        if (finish.limits.cancelled)() {
+            return Err(DecomposeError::Cancelled);
         }
         if !open[i as usize] || !open[j as usize] {
             continue;
         }
-        let Some(proved) = join(solid, &nodes, i, j, f64::from_bits(bits), limits) else { continue };
+        let node = join(finish, &nodes, [i, j], f64::from_bits(bits))?;
         open[i as usize] = false;
         open[j as usize] = false;
-        nodes.push(Node { proved, children: Some([i, j]) });
+        nodes.push(node);
         open.push(true);
         let new = nodes.len() - 1;
         for other in 0..new {
             if open[other] {
-                offer(solid, &nodes, other, new, &mut queue);
+                offer(finish.solid, &nodes, other, new, &mut queue);
             }
         }
     }
-    nodes
-}
-
-fn points(nodes: &[Node], i: usize, j: usize) -> Vec<DVec3> {
-    [i, j].iter().flat_map(|&k| nodes[k].proved.hull.vertices.iter().copied()).collect()
+    Ok(nodes)
 }
 
 /// Queue a pair with an estimate from a few points between the two hulls.
@@ -86,24 +91,33 @@ fn offer(solid: &SolidIndex, nodes: &[Node], i: usize, j: usize, queue: &mut Bin
     queue.push(Reverse((estimate.to_bits(), i as u32, j as u32)));
 }
 
-/// The joined hull with a bound within a few percent.
-fn join(solid: &SolidIndex, nodes: &[Node], i: u32, j: u32, estimate: f64, limits: &Limits<'_>) -> Option<Proved> {
-    let hull = convex_hull(&points(nodes, i as usize, j as usize)).ok()?;
-    let (a, b) = (&nodes[i as usize].proved, &nodes[j as usize].proved);
-    let mut lower = estimate.max(a.thickening.lower).max(b.thickening.lower);
-    let mut epsilon = lower.max(1e-6) * SLACK;
-    let thickening = loop {
-        match decide(solid, &hull, epsilon, limits) {
-            Decision::Within(found) => break Interval { lower: lower.max(found.lower), upper: found.upper },
+/// The joined hull with its bound.
+fn join(finish: &Finish<'_>, nodes: &[Node], children: [u32; 2], estimate: f64) -> Result<Node, DecomposeError> {
+    let [a, b] = children.map(|c| &nodes[c as usize]);
+    let points: Vec<DVec3> = a.mesh.vertices.iter().chain(&b.mesh.vertices).copied().collect();
+    let mesh = finish.within_budget(convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))?)?;
+    let hull = finish.image(&mesh)?;
+    let known = estimate.max(a.proved.thickening.lower).max(b.proved.thickening.lower);
+    let thickening = bracket(finish.solid, &hull, known, SLACK, finish.limits);
+    let mut members: Vec<u32> = a.proved.members.iter().chain(&b.proved.members).copied().collect();
+    members.sort_unstable();
+    Ok(Node { mesh, proved: Proved { hull, thickening, members }, children: Some(children) })
+}
+
+/// Certified bounds of a hull's thickening whose upper end is at most about
+/// `slack` times the lower; `known` is a lower bound to start from.
+pub fn bracket(solid: &SolidIndex, hull: &Mesh, known: f64, slack: f64, limits: &Limits<'_>) -> Interval {
+    let mut lower = known;
+    let mut epsilon = lower.max(1e-6) * slack;
+    loop {
+        match decide(solid, hull, epsilon, limits) {
+            Decision::Within(found) | Decision::Unproven(found) => {
+                return Interval { lower: lower.max(found.lower).min(found.upper), upper: found.upper };
+            }
             Decision::Beyond { lower: found, .. } => {
                 lower = lower.max(found);
-                epsilon = lower * SLACK;
+                epsilon = epsilon.max(lower) * slack;
             }
-            Decision::Unproven(found) => break Interval { lower: lower.max(found.lower), upper: found.upper },
         }
-    };
-    let mut members = a.members.clone();
-    members.extend(&b.members);
-    members.sort_unstable();
-    Some(Proved { hull, thickening, members })
+    }
 }

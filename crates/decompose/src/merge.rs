@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use crate::concavity::thickening::{decide, Decision};
 use crate::concavity::{Interval, Limits};
+use crate::settings::MergeOrder;
 
 /// A hull with what is proved about it.
 #[derive(Clone, Debug)]
@@ -58,6 +59,7 @@ pub fn merge(
     solid: &SolidIndex,
     parts: Vec<Proved>,
     epsilon: f64,
+    order: MergeOrder,
     witnesses: &mut Vec<DVec3>,
     limits: &Limits<'_>,
 ) -> Vec<Proved> {
@@ -82,7 +84,12 @@ pub fn merge(
             return;
         }
         let added = (volume(&hull) - volumes[i] - volumes[j]).max(0.0);
-        queue.push(Reverse((added.to_bits(), i as u32, j as u32)));
+        let key = match order {
+            MergeOrder::Added => added,
+            MergeOrder::Relative => added / (volumes[i] + volumes[j]),
+            MergeOrder::Smallest => added + volumes[i].min(volumes[j]),
+        };
+        queue.push(Reverse((key.to_bits(), i as u32, j as u32)));
     };
     for i in 0..slots.len() {
         for j in i + 1..slots.len() {

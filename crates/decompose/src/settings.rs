@@ -29,6 +29,17 @@ pub enum Policy {
     Mcts,
 }
 
+/// Which merges come first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MergeOrder {
+    /// Least added volume.
+    Added,
+    /// Least added volume a volume of both.
+    Relative,
+    /// Least added volume and volume of the smaller one: small ones first.
+    Smallest,
+}
+
 /// The frame of the cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameChoice {
@@ -79,8 +90,12 @@ pub struct SearchSettings {
     pub frame: FrameChoice,
     /// How far hulls may reach outward to have fewer vertices.
     pub slim: f64,
+    /// Most vertices a hull may have; 0 for any number.
+    pub most_vertices: usize,
     /// Whether hulls are merged at the end.
     pub merging: bool,
+    /// Which merges come first.
+    pub merge_order: MergeOrder,
     /// Iterations of MCTS (t).
     pub iterations: usize,
     /// Depth of MCTS (d).
@@ -94,8 +109,8 @@ impl Default for SearchSettings {
         SearchSettings {
             policy: Policy::Lookahead,
             planes: 20,
-            expand: 20,
-            quota: 4,
+            expand: 14,
+            quota: 3,
             second: 8,
             norm: Norm::Sum(1.0),
             excess: 0.1,
@@ -111,7 +126,9 @@ impl Default for SearchSettings {
             second_faces: 6,
             frame: FrameChoice::Faces,
             slim: 0.1,
+            most_vertices: 0,
             merging: true,
+            merge_order: MergeOrder::Relative,
             iterations: 150,
             depth: 3,
             seed: 0,
@@ -151,6 +168,16 @@ impl SearchSettings {
                     _ => None,
                 };
                 self.frame = choice(name, value, known, "mesh, faces")?;
+            }
+            "most_vertices" => self.most_vertices = number(name, value)?,
+            "merge_order" => {
+                let known = match value {
+                    "added" => Some(MergeOrder::Added),
+                    "relative" => Some(MergeOrder::Relative),
+                    "smallest" => Some(MergeOrder::Smallest),
+                    _ => None,
+                };
+                self.merge_order = choice(name, value, known, "added, relative, smallest")?;
             }
             "slim" => self.slim = number(name, value)?,
             "merging" => {

@@ -1,11 +1,10 @@
 //! `decompose`, `thickening`, `convex_hull`.
 
-use assetpipe_decompose::concavity::thickening::{decide, Decision};
 use assetpipe_decompose::concavity::{Interval, Limits};
 use assetpipe_decompose::decomposition::{self as core, Decomposition};
+use assetpipe_decompose::hierarchy::bracket;
 use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::distance::SolidIndex;
-use assetpipe_geometry::Mesh;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -91,24 +90,9 @@ pub fn thickening<'py>(
         let cancelled = || control.is_cancelled();
         let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
         let index = SolidIndex::new(&solid);
-        meshes.iter().map(|hull| bound(&index, hull, &limits)).collect::<Vec<_>>()
+        meshes.iter().map(|hull| pair(bracket(&index, hull, 0.0, 1.01, &limits))).collect::<Vec<_>>()
     })?;
     Ok(result)
-}
-
-fn bound(index: &SolidIndex, hull: &Mesh, limits: &Limits<'_>) -> Bounds {
-    let size = index.bvh().bounds().diagonal();
-    let mut epsilon = 1e-6 * size;
-    let mut lower = 0.0;
-    loop {
-        match decide(index, hull, epsilon, limits) {
-            Decision::Within(found) | Decision::Unproven(found) => return (found.lower.max(lower), found.upper),
-            Decision::Beyond { lower: found, .. } => {
-                lower = found.max(lower);
-                epsilon = lower * 1.01;
-            }
-        }
-    }
 }
 
 /// Convex hull of (n, 3) points: (vertices, faces).
