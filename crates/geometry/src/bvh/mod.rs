@@ -10,6 +10,8 @@ mod crossings;
 pub use closest::Nearest;
 pub use crossings::Side;
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::distance::Triangle;
@@ -81,6 +83,15 @@ struct Node {
     count: u32,
 }
 
+/// What a node holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Branch {
+    /// Slots of triangles.
+    Leaf(Range<u32>),
+    /// Two nodes.
+    Fork([u32; 2]),
+}
+
 /// The hierarchy, with its own copy of the triangles in traversal order.
 #[derive(Clone, Debug)]
 pub struct Bvh {
@@ -108,6 +119,21 @@ impl Bvh {
     /// The box around everything.
     pub fn bounds(&self) -> Bounds {
         self.nodes.first().map_or(Bounds::EMPTY, |n| n.bounds)
+    }
+
+    /// The box around node `index`; the root, if there is one, has index 0.
+    pub fn node_bounds(&self, index: u32) -> Bounds {
+        self.nodes[index as usize].bounds
+    }
+
+    /// What node `index` holds.
+    pub fn branch(&self, index: u32) -> Branch {
+        let node = &self.nodes[index as usize];
+        if node.count > 0 {
+            Branch::Leaf(node.first..node.first + node.count)
+        } else {
+            Branch::Fork([index + 1, node.first])
+        }
     }
 
     /// Triangle `slot`, in traversal order.

@@ -8,7 +8,7 @@
 //! 1. The signed distance to a solid is 1-Lipschitz: from the centre of a cell
 //!    it grows by at most the cell's radius ([`search`]).
 //! 2. The distance to one triangle is convex, so over a cell it is largest at a
-//!    corner, and so is every weighted mean of such distances ([`mixture`]).
+//!    corner, and so is every weighted mean of such distances ([`mixture`](super::mixture)).
 //! 3. A cell that no surface enters and that holds a point of the solid belongs
 //!    to it ([`enclosed`]).
 //!
@@ -18,52 +18,17 @@
 
 mod cell;
 mod enclosed;
-mod mixture;
 mod search;
 #[cfg(test)]
 mod tests;
 
 use assetpipe_geometry::distance::SolidIndex;
-use assetpipe_geometry::{DVec3, Mesh};
+use assetpipe_geometry::Mesh;
 
+pub use super::decision::Decision;
+use super::goal::Goal;
 use super::{Gap, Interval, Limits};
-use search::{Goal, Search};
-
-/// The answer to "is the thickening at most ε?".
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Decision {
-    /// Proved: the interval's upper bound is at most ε.
-    Within(Interval),
-    /// Refuted: `witness` is a point of the hull at least `lower` > ε away from
-    /// the solid.
-    Beyond {
-        /// The point.
-        witness: DVec3,
-        /// A lower bound of its distance.
-        lower: f64,
-    },
-    /// Neither within the limits: what is known. Not to be accepted.
-    Unproven(Interval),
-}
-
-impl Decision {
-    /// Whether the bound is proved.
-    pub fn is_within(&self) -> bool {
-        matches!(self, Decision::Within(_))
-    }
-
-    /// What is known of the true value either way; the upper end is infinite
-    /// after a refutation.
-    pub fn interval(&self) -> Interval {
-        match *self {
-            Decision::Within(interval) | Decision::Unproven(interval) => interval,
-            Decision::Beyond { lower, .. } => Interval {
-                lower,
-                upper: f64::INFINITY,
-            },
-        }
-    }
-}
+use search::Search;
 
 /// Decide whether every point of `hull` (a convex mesh as returned by
 /// `convex_hull`) is within `epsilon` of the solid.
@@ -74,11 +39,7 @@ impl Decision {
 pub fn decide(solid: &SolidIndex, hull: &Mesh, epsilon: f64, limits: &Limits) -> Decision {
     let mut search = Search::new(solid, hull, Goal::Decide { epsilon });
     let interval = search.run(limits);
-    match search.witness() {
-        Some((witness, lower)) if lower > epsilon => Decision::Beyond { witness, lower },
-        _ if interval.upper <= epsilon => Decision::Within(interval),
-        _ => Decision::Unproven(interval),
-    }
+    Decision::from(epsilon, interval, search.witness())
 }
 
 /// The thickening of `hull` (a convex mesh as returned by `convex_hull`), to

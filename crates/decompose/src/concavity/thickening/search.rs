@@ -10,12 +10,9 @@ use assetpipe_geometry::{DVec3, Mesh};
 
 use super::cell::{contract, Polytope};
 use super::enclosed::is_free_of_surface;
-use super::mixture;
-use crate::concavity::{Gap, Interval, Limits};
+use crate::concavity::goal::{self, Goal};
+use crate::concavity::{mixture, Interval, Limits};
 
-/// Cells smaller than this share of the target are not split: the question is
-/// then closer than the answer is worth.
-const FLOOR: f64 = 1e-3;
 /// A cell with a larger radius than this share of the target is split before
 /// its corners are looked at, unless its nearest triangle is as large as it is.
 const COARSE: f64 = 0.5;
@@ -24,19 +21,8 @@ const COARSE: f64 = 0.5;
 const ENCLOSING: usize = 12;
 /// The same for a cell without a point at this share of its size from its sides.
 const SHARP: f64 = 1e-5;
-/// Bounds below this multiple of the rounding allowance are as good as zero.
-const SETTLED: f64 = 10.0;
 /// Share of the solid's rounding allowance by which planes are moved.
 const MARGIN: f64 = 0.1;
-
-/// What the search is for.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Goal {
-    /// Find out whether the value is above ε.
-    Decide { epsilon: f64 },
-    /// Close the interval to this gap.
-    Measure { gap: Gap },
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
@@ -139,12 +125,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             let size = cell.bounds.hi - cell.bounds.lo;
-            let done = match self.goal {
-                Goal::Decide { epsilon } => self.lower > epsilon,
-                Goal::Measure { .. } => false,
-            };
-            let floor = FLOOR * self.target();
-            if done || limits.reached(self.examined) || size.length() * 0.5 <= floor {
+            if self.goal.is_settled(self.lower) || limits.reached(self.examined) {
                 self.settle(cell.upper);
                 break;
             }
@@ -183,12 +164,7 @@ impl<'a> Search<'a> {
 
     /// Cells with at most this bound are done with.
     fn target(&self) -> f64 {
-        match self.goal {
-            Goal::Decide { epsilon } => epsilon - self.slack,
-            Goal::Measure { gap } => (self.lower * (1.0 + gap.relative) - self.slack)
-                .max(gap.absolute)
-                .max(SETTLED * self.slack),
-        }
+        self.goal.target(self.lower, self.slack)
     }
 
     fn settle(&mut self, upper: f64) {
@@ -373,7 +349,7 @@ impl<'a> Search<'a> {
             return f64::INFINITY;
         }
         // As good as nothing, if that is true; else what is just good enough.
-        let rims = [SETTLED * self.slack, target];
+        let rims = [goal::NOTHING * self.slack, target];
         let rim = rims
             .into_iter()
             .find(|rim| is_free_of_surface(self.solid.bvh(), cell, rim * room / reach));

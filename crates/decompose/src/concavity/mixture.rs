@@ -23,12 +23,13 @@ const TINY: f64 = 1e-12;
 #[derive(Default)]
 pub(super) struct Tableau {
     entries: Vec<f64>,
-    /// The variable of each row: weights first, then slacks.
+    /// The variable of each row and of each column: weights first, then slacks.
     basic: Vec<usize>,
+    free: Vec<usize>,
 }
 
 /// Upper bound of `max over the polytope of min_j f_j`: `rows[j][i]` is
-/// `f_j(v_i)`, finite and not negative.
+/// `f_j(v_i)`, finite, at most [`MOST`] rows.
 pub(super) fn upper_bound(rows: &[Vec<f64>], tableau: &mut Tableau) -> f64 {
     let Some(single) = rows
         .iter()
@@ -40,7 +41,8 @@ pub(super) fn upper_bound(rows: &[Vec<f64>], tableau: &mut Tableau) -> f64 {
     if rows.len() < 2 || single == 0.0 {
         return single;
     }
-    let weights = solve(rows, single, tableau);
+    tableau.solve(rows, single);
+    let weights = tableau.row_weights(rows.len());
     let total: f64 = weights.iter().sum();
     if total <= 0.0 {
         return single;
@@ -57,46 +59,65 @@ pub(super) fn upper_bound(rows: &[Vec<f64>], tableau: &mut Tableau) -> f64 {
     single.min(mixed)
 }
 
-/// Weights of the rows, up to a factor: maximise `Σ x_j` such that
-/// `Σ_j (f_j(v_i) + shift) x_j ≤ 1` at every corner (the row player's program,
-/// Dantzig 1951); `shift` makes the game positive.
-fn solve(rows: &[Vec<f64>], shift: f64, tableau: &mut Tableau) -> [f64; MOST] {
-    let Tableau { entries, basic } = tableau;
-    let (m, n) = (rows.len().min(MOST), rows[0].len());
-    let width = m + 1;
-    entries.clear();
-    for i in 0..n {
-        entries.extend(rows[..m].iter().map(|row| row[i] + shift));
-        entries.push(1.0);
-    }
-    entries.extend(std::iter::repeat_n(-1.0, m));
-    entries.push(0.0);
-    basic.clear();
-    basic.extend(m..m + n);
-    let mut free: [usize; MOST] = std::array::from_fn(|j| j);
-    for _ in 0..PIVOTS {
-        let objective = &entries[n * width..n * width + m];
-        let Some(enter) = (0..m).min_by(|a, b| objective[*a].total_cmp(&objective[*b])) else {
-            break;
-        };
-        if objective[enter] >= -TINY {
-            break;
+impl Tableau {
+    /// Maximise `Σ x_j` such that `Σ_j (f_j(v_i) + shift) x_j ≤ 1` at every
+    /// corner, the row player's program (Dantzig 1951); `shift` makes the game
+    /// positive.
+    pub(super) fn solve(&mut self, rows: &[Vec<f64>], shift: f64) {
+        let (m, n) = (rows.len(), rows[0].len());
+        let width = m + 1;
+        let entries = &mut self.entries;
+        entries.clear();
+        for i in 0..n {
+            entries.extend(rows.iter().map(|row| row[i] + shift));
+            entries.push(1.0);
         }
-        let leave = (0..n)
-            .filter(|i| entries[i * width + enter] > TINY)
-            .map(|i| (entries[i * width + m] / entries[i * width + enter], i))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, leave)) = leave else { break };
-        pivot(entries, n + 1, width, leave, enter);
-        std::mem::swap(&mut basic[leave], &mut free[enter]);
-    }
-    let mut weights = [0.0; MOST];
-    for (i, variable) in basic.iter().enumerate() {
-        if *variable < m {
-            weights[*variable] = entries[i * width + m].max(0.0);
+        entries.extend(std::iter::repeat_n(-1.0, m));
+        entries.push(0.0);
+        self.basic.clear();
+        self.basic.extend(m..m + n);
+        self.free.clear();
+        self.free.extend(0..m);
+        for _ in 0..PIVOTS {
+            let objective = &entries[n * width..n * width + m];
+            let Some(enter) = (0..m).min_by(|a, b| objective[*a].total_cmp(&objective[*b])) else {
+                break;
+            };
+            if objective[enter] >= -TINY {
+                break;
+            }
+            let leave = (0..n)
+                .filter(|i| entries[i * width + enter] > TINY * shift)
+                .map(|i| (entries[i * width + m] / entries[i * width + enter], i))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, leave)) = leave else { break };
+            pivot(entries, n + 1, width, leave, enter);
+            std::mem::swap(&mut self.basic[leave], &mut self.free[enter]);
         }
     }
-    weights
+
+    /// The weights of the rows after [`Tableau::solve`], up to a factor.
+    pub(super) fn row_weights(&self, m: usize) -> [f64; MOST] {
+        let mut weights = [0.0; MOST];
+        for (i, variable) in self.basic.iter().enumerate() {
+            if *variable < m {
+                weights[*variable] = self.entries[i * (m + 1) + m].max(0.0);
+            }
+        }
+        weights
+    }
+
+    /// The weights of the corners, up to a factor: the dual values. Their mean
+    /// is the point where the least distance is largest.
+    pub(super) fn corner_weights(&self, m: usize, out: &mut [f64]) {
+        out.fill(0.0);
+        let objective = &self.entries[self.basic.len() * (m + 1)..];
+        for (column, variable) in self.free.iter().enumerate() {
+            if *variable >= m {
+                out[*variable - m] = objective[column].max(0.0);
+            }
+        }
+    }
 }
 
 fn pivot(entries: &mut [f64], height: usize, width: usize, row: usize, column: usize) {
