@@ -36,12 +36,16 @@ pub(super) struct Links {
     next: Vec<usize>,
     previous: Vec<usize>,
     there: Vec<bool>,
+    /// Points nearer than this are one: an edge of a few ulp has no direction.
+    same: f64,
 }
 
 impl Links {
     pub fn new(ring: &[Point]) -> Self {
         let n = ring.len();
+        let extent = ring.iter().map(|p| p.distance(ring[0])).fold(0.0, f64::max);
         Self {
+            same: 1e-13 * extent,
             points: ring.to_vec(),
             next: (0..n).map(|k| (k + 1) % n).collect(),
             previous: (0..n).map(|k| (k + n - 1) % n).collect(),
@@ -111,7 +115,8 @@ impl Links {
         };
         let mut last = before;
         for q in [start, stop] {
-            if q == self.points[last] || q == self.points[after] {
+            let merges = |k: usize| q.distance(self.points[k]) <= self.same;
+            if merges(last) || merges(after) {
                 continue;
             }
             let new = self.points.len();

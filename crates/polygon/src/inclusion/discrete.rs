@@ -40,6 +40,16 @@ impl Pixels {
             && self.inside[y as usize * self.width + x as usize]
     }
 
+    fn place(&self, k: usize) -> (i64, i64) {
+        ((k % self.width) as i64, (k / self.width) as i64)
+    }
+
+    fn keep(&mut self, wanted: impl Fn((i64, i64)) -> bool) {
+        for k in 0..self.inside.len() {
+            self.inside[k] = self.inside[k] && wanted(self.place(k));
+        }
+    }
+
     /// The connected component with pixel `seed`.
     fn component(&self, seed: usize, connectivity: Connectivity) -> Self {
         let mut found = Self { width: self.width, inside: vec![false; self.inside.len()] };
@@ -143,23 +153,41 @@ pub fn convex_pixels(shape: &Pixels, connectivity: Connectivity) -> Pixels {
 }
 
 /// Cuts the shape along the hull side that looks at the nearest concavity:
-/// everything as far beyond that side as the concavity goes.
+/// everything as far beyond that side as the concavity goes. A hull of one
+/// pixel or one line has no sides; then, of sixteen directions, the one that
+/// keeps most pixels.
 fn cut(shape: &mut Pixels, hull: &[(i64, i64)], violations: &[(i64, i64)]) {
-    let n = hull.len();
-    let beyond = |k: usize, (x, y): (i64, i64)| {
-        let ((ax, ay), (bx, by)) = (hull[k], hull[(k + 1) % n]);
-        let (dx, dy) = if n < 2 { (1, 0) } else { (bx - ax, by - ay) };
-        -(dx * (y - ay) - dy * (x - ax))
+    if hull.len() < 3 {
+        let (x, y) = hull[0];
+        let Some(&near) = violations.iter().min_by_key(|v| (v.0 - x).pow(2) + (v.1 - y).pow(2))
+        else {
+            return;
+        };
+        let steps = [-2, -1, 0, 1, 2];
+        let best = steps
+            .iter()
+            .flat_map(|&a| steps.iter().map(move |&b| (a, b)))
+            .filter(|&u| hull.iter().all(|&p| along(u, p) < along(u, near)))
+            .max_by_key(|&u| {
+                let kept = |k: usize| shape.inside[k] && along(u, shape.place(k)) < along(u, near);
+                (0..shape.inside.len()).filter(|&k| kept(k)).count()
+            });
+        if let Some(u) = best {
+            shape.keep(|p| along(u, p) < along(u, near));
+        }
+        return;
+    }
+    // how far beyond a side, in units of the side's length
+    let normal = |k: usize| {
+        let ((ax, ay), (bx, by)) = (hull[k], hull[(k + 1) % hull.len()]);
+        (by - ay, ax - bx)
     };
-    let length = |k: usize| {
-        let ((ax, ay), (bx, by)) = (hull[k], hull[(k + 1) % n]);
-        if n < 2 { 1.0 } else { (((bx - ax).pow(2) + (by - ay).pow(2)) as f64).sqrt() }
-    };
+    let beyond = |k: usize, p| along(normal(k), p) - along(normal(k), hull[k]);
     let mut best: Option<(f64, usize, i64)> = None;
     for &v in violations {
-        // the side a violation lies beyond is the one it is farthest beyond
-        let outer = (0..n)
-            .map(|k| (beyond(k, v) as f64 / length(k), k))
+        // the side a concavity lies beyond is the one it is farthest beyond
+        let outer = (0..hull.len())
+            .map(|k| (beyond(k, v) as f64 / (along(normal(k), normal(k)) as f64).sqrt(), k))
             .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
         if let Some((distance, side)) = outer {
             if best.is_none_or(|b| distance < b.0) {
@@ -168,12 +196,12 @@ fn cut(shape: &mut Pixels, hull: &[(i64, i64)], violations: &[(i64, i64)]) {
         }
     }
     if let Some((_, side, limit)) = best {
-        let width = shape.width;
-        for (k, inside) in shape.inside.iter_mut().enumerate() {
-            let pixel = ((k % width) as i64, (k / width) as i64);
-            *inside = *inside && beyond(side, pixel) < limit;
-        }
+        shape.keep(|p| beyond(side, p) < limit);
     }
+}
+
+fn along(u: (i64, i64), p: (i64, i64)) -> i64 {
+    u.0 * p.0 + u.1 * p.1
 }
 
 /// Hull of the kept pixels' centres, counter-clockwise; of `seed` alone if none are kept.
@@ -239,7 +267,14 @@ mod tests {
         let found = convex_pixels(&shape, Connectivity::Four);
         assert!(found.inside.iter().zip(&shape.inside).all(|(f, s)| !f || *s));
         assert_eq!(found.area(), 31);
-        assert_eq!(hausdorff(&shape, &found, Connectivity::Four), Some(-2));
+        let places = |p: &Pixels| -> Vec<_> {
+            (0..p.inside.len()).filter(|&k| p.inside[k]).map(|k| p.place(k)).collect()
+        };
+        let nearest = |a: (i64, i64)| {
+            places(&found).iter().map(|b| (a.0 - b.0).abs() + (a.1 - b.1).abs()).min().unwrap()
+        };
+        let farthest = places(&shape).into_iter().map(nearest).max().unwrap();
+        assert_eq!(hausdorff(&shape, &found, Connectivity::Four), Some(-farthest));
     }
 
     #[test]

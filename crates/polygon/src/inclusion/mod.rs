@@ -35,19 +35,22 @@ const ROUNDS: usize = 4;
 /// other outline the paper gives no method. Here every convex set is seen
 /// whole from each of its points, so what a point sees, which is star-shaped,
 /// is searched instead; the points tried are the deepest one and the middles
-/// of the largest parts of an exact convex decomposition. The best is kept.
-/// Vertices are rounded: they lie inside to within a few ulp.
+/// of the largest parts of an exact convex decomposition, each moved to the
+/// middle of what it gave while that helps. Star-shaped polygons get the same
+/// second look: the greedy order is not always the best one. The largest set
+/// is kept. Vertices are rounded: they lie inside to within a few ulp.
 ///
 /// # Errors
 /// [`OutlineError`] as for [`decompose`].
 pub fn convex_subset(rings: &[Vec<Point>]) -> Result<(Vec<Point>, Origin), OutlineError> {
     let arrangement = arrange(rings)?;
+    let mut best = Best { area: 0.0, polygon: Vec::new(), origin: Origin::Visibility };
     if let [only] = &arrangement.components[..] {
         let ring: Vec<Point> =
             only.outer.iter().map(|&v| arrangement.points[v as usize]).collect();
         if only.holes.is_empty() {
             if let Some(found) = convex_subset_of_star(&ring) {
-                return Ok((found.polygon, Origin::Kernel));
+                best.offer(found.polygon, Origin::Kernel);
             }
         }
     }
@@ -59,9 +62,10 @@ pub fn convex_subset(rings: &[Vec<Point>]) -> Result<(Vec<Point>, Origin), Outli
     };
     let mut parts = decompose(rings, &parameters)?.at(0.0);
     parts.sort_by(|a, b| b.area().total_cmp(&a.area()));
-    // each part is a convex subset already: the answer is never worse
-    let mut best: Vec<Point> = parts.first().map(|p| p.outer.clone()).unwrap_or_default();
-    let mut best_area = crate::signed_area(&best);
+    // a part is a convex subset already: the answer is never worse than the largest
+    if let Some(part) = parts.first() {
+        best.offer(part.outer.clone(), Origin::Visibility);
+    }
     let seeds = deepest::deepest_point(rings)
         .into_iter()
         .chain(parts.iter().take(PART_SEEDS).map(|part| middle(&part.outer)));
@@ -79,13 +83,29 @@ pub fn convex_subset(rings: &[Vec<Point>]) -> Result<(Vec<Point>, Origin), Outli
             }
             here = area;
             eye = middle(&found.polygon);
-            if area > best_area {
-                best_area = area;
-                best = found.polygon;
-            }
+            best.offer(found.polygon, Origin::Visibility);
         }
     }
-    Ok((best, Origin::Visibility))
+    Ok((best.polygon, best.origin))
+}
+
+struct Best {
+    area: f64,
+    polygon: Vec<Point>,
+    origin: Origin,
+}
+
+impl Best {
+    /// Keeps the polygon if it is larger, and convex up to rounding.
+    fn offer(&mut self, polygon: Vec<Point>, origin: Origin) -> bool {
+        let area = crate::signed_area(&polygon);
+        let hull = crate::signed_area(&crate::convex_hull(&polygon));
+        let wins = area > self.area && hull - area <= 1e-12 * hull;
+        if wins {
+            *self = Self { area, polygon, origin };
+        }
+        wins
+    }
 }
 
 fn middle(ring: &[Point]) -> Point {

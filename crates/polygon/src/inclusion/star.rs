@@ -163,7 +163,13 @@ fn convexified(polygon: Vec<Point>) -> Vec<Point> {
         return polygon;
     }
     let mut pending: Vec<usize> = (0..polygon.len()).rev().collect();
+    // a cut may leave a corner reflex by the rounding of its own ends
+    let mut patience = 8 * polygon.len();
     while let Some(k) = pending.pop() {
+        if patience == 0 {
+            break;
+        }
+        patience -= 1;
         if !links.is_there(k) {
             continue;
         }
