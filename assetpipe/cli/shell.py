@@ -23,6 +23,7 @@ COMMANDS = {
     "inspect": "Show the health of every mesh.",
     "decompose": "Decompose one mesh.",
     "tradeoff": "Show what accuracy costs in time.",
+    "footprint": "Project a robot onto the ground: polygons for a costmap.",
     "report": "Show the report of a built package again.",
 }
 """Commands and their one-line help; a command's module is imported when it is called."""
