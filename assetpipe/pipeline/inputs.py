@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -17,7 +17,6 @@ ROBOT_SUFFIXES = (".urdf", ".xacro")
 
 _HEAD = 2**16
 _ROBOT = re.compile(rb"<robot[\s>]")
-_NAMED_ROBOT = re.compile(rb"<robot\s[^>]*\bname\s*=")
 
 
 @dataclass(frozen=True)
@@ -78,31 +77,18 @@ def _named(path: Path, given: Path) -> Source:
     )
 
 
-def _robots(root: Path) -> Iterator[Path]:
-    """URDFs, and xacro files whose robot has a name; a xacro next to its own URDF is left out.
+def _robots(root: Path) -> tuple[Path, ...]:
+    """Robot descriptions in a folder, those left out that we have built ourselves."""
+    from assetpipe.robot import find_robots
 
-    Hidden folders and what assetpipe built itself are not searched, unless they are the root.
-    """
-    for folder, folders, names in os.walk(root):
-        here = Path(folder)
-        folders[:] = sorted(
-            name
-            for name in folders
-            if not name.startswith(".") and provenance_of(here / name) is None
-        )
-        urdfs = {name.split(".")[0] for name in names if name.lower().endswith(".urdf")}
-        for name in sorted(names):
-            path = here / name
-            lower = name.lower()
-            if lower.endswith(".urdf"):
-                if _ROBOT.search(_head(path)):
-                    yield path
-            elif (
-                lower.endswith(".xacro")
-                and name.split(".")[0] not in urdfs
-                and _NAMED_ROBOT.search(_head(path))
-            ):
-                yield path
+    ours: dict[Path, bool] = {root: False}
+
+    def built(folder: Path) -> bool:
+        if folder not in ours:
+            ours[folder] = provenance_of(folder) is not None or built(folder.parent)
+        return ours[folder]
+
+    return tuple(path for path in find_robots(root) if not built(path.parent))
 
 
 def _head(path: Path) -> bytes:
