@@ -130,8 +130,12 @@ def explain(scenes: Sequence[str | os.PathLike[str]]) -> dict[str, Plan]:
         ConfigError: a scene does not fit its schema or its assets.
     """
     from assetpipe.validation.runners import explain_scene
+    from assetpipe.validation.scenes import DirectProvider
 
-    return {Path(scene).stem: explain_scene(os.fspath(scene)) for scene in scenes}
+    provider = DirectProvider()  # scenes share assets: each mesh is decomposed once
+    return {
+        Path(scene).stem: explain_scene(os.fspath(scene), provider=provider) for scene in scenes
+    }
 
 
 def _answer(
@@ -141,13 +145,16 @@ def _answer(
     cancelled: Cancelled,
 ) -> tuple[SceneResult, ...]:
     from assetpipe.validation.runners import SceneOptions, run_scene
+    from assetpipe.validation.scenes import DirectProvider
 
+    provider = DirectProvider()  # scenes share assets: each mesh is decomposed once
     results = []
     for number, scene in enumerate(scenes):
         if cancelled():
             raise CancelledError("cancelled")
         on_progress(Progress("scene", Path(scene).stem, number, len(scenes)))
-        results.append(run_scene(os.fspath(scene), options=SceneOptions(depth=depth)))
+        options = SceneOptions(depth=depth)
+        results.append(run_scene(os.fspath(scene), options=options, provider=provider))
     return tuple(results)
 
 
