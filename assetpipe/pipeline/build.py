@@ -96,7 +96,8 @@ def build_all(
     """
     began = time.monotonic()
     out = Path(os.path.abspath(out)).resolve()
-    chosen = targets(find_sources(inputs), out, Shard.parse(shard))
+    part = Shard.parse(shard)
+    chosen = targets(find_sources(inputs), out, part)
     batch = Batch(config, cache, cluster, mode, on_progress, cancelled_by(cancel))
     built, lost = batch.run(chosen)
     stale = _stale(built) if mode == "compare" else ()

@@ -64,6 +64,12 @@ def faces(reply: Reply) -> int:
     return MeshOutcome.decode(reply.payload).facts["faces"]
 
 
+def never_ends(path: Path) -> None:
+    """Put a pipe in a mesh file's place: whoever reads it waits for ever."""
+    path.unlink()
+    os.mkfifo(path)
+
+
 @pytest.fixture
 def meshes(tmp_path: Path) -> list[Path]:
     return [stl(tmp_path / f"m{n}.stl", 1.0 + n) for n in range(4)]
@@ -100,6 +106,8 @@ def test_death_of_a_process_costs_its_task_only(
         if index == 1 and len(processes) == 1:
             os.kill(processes[0].pid, number)
 
+    never_ends(meshes[1])
+
     replies = run(LocalExecutor(1), [task(path) for path in meshes], listener)
     assert len(processes) == 2
     fault = replies[1].fault
@@ -112,7 +120,8 @@ def test_death_of_a_process_costs_its_task_only(
 
 
 def test_overdue_task_is_ended(meshes: list[Path]) -> None:
-    tasks = [task(meshes[0], seconds=0.01), task(meshes[1])]
+    never_ends(meshes[0])
+    tasks = [task(meshes[0], seconds=1.0), task(meshes[1])]
     replies = run(LocalExecutor(1), tasks)
     assert replies[0].fault is not None
     assert replies[0].fault.kind == "time"
