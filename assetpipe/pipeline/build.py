@@ -8,13 +8,14 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
-from assetpipe.errors import Location
+from assetpipe.errors import Location, UsageError
 from assetpipe.findings import Finding, Severity
 from assetpipe.pipeline.batch import Batch, Built, Mode
 from assetpipe.pipeline.cache import Cache, default_root
-from assetpipe.pipeline.config import Config
+from assetpipe.pipeline.config import Config, Engine
 from assetpipe.pipeline.executors.task import Cancelled
 from assetpipe.pipeline.inputs import find_sources
 from assetpipe.pipeline.output import PROVENANCE
@@ -97,6 +98,7 @@ def build_all(
     began = time.monotonic()
     out = Path(os.path.abspath(out)).resolve()
     part = Shard.parse(shard)
+    require_engine(config.engine)
     chosen = targets(find_sources(inputs), out, part)
     batch = Batch(config, cache, cluster, mode, on_progress, cancelled_by(cancel))
     built, lost = batch.run(chosen)
@@ -109,6 +111,13 @@ def build_all(
         seconds=time.monotonic() - began,
         parts=None if lost or len(built) < len(chosen) else _parts(built),
     )
+
+
+def require_engine(engine: Engine) -> None:
+    """Raise :class:`UsageError` unless the engine is installed."""
+    module = {"coacd": "coacd", "vhacd": "vhacdx"}.get(engine)
+    if module is not None and find_spec(module) is None:
+        raise UsageError(f"engine '{engine}' is not installed: pip install 'assetpipe[engines]'")
 
 
 def check(

@@ -12,6 +12,8 @@ from assetpipe.pipeline.inputs import Source
 from assetpipe.pipeline.output import provenance_of, refuse_foreign
 from assetpipe.pipeline.shards import Shard
 
+_SHELVES = frozenset({"urdf", "urdfs", "robot", "robots", "xacro", "description", "model"})
+
 
 @dataclass(frozen=True)
 class Target:
@@ -56,13 +58,20 @@ def targets(sources: Sequence[Source], out: Path, shard: Shard) -> tuple[Target,
 
 
 def labels(sources: Sequence[Source]) -> tuple[str, ...]:
-    """A folder name for each source, from its path below the folder that was named."""
+    """A folder name for each source, from its path below the folder that was named.
+
+    Folders that only hold descriptions (``urdf`` …) say nothing and are left out, and a
+    file named like its package is not named twice: ``arm/urdf/arm.urdf`` is ``arm``.
+    """
     found: list[str] = []
     for source in sources:
-        relative = source.path.relative_to(source.root)
-        parts = [*relative.parts[:-1], relative.name.split(".")[0]]
+        folders = list(source.path.relative_to(source.root).parts[:-1])
         if source.origin == "named":
-            parts.insert(0, source.root.name)
+            folders.insert(0, source.root.name)
+        parts = [part for part in folders if part.lower() not in _SHELVES]
+        stem = source.path.name.split(".")[0]
+        if not parts or parts[-1] != stem:
+            parts.append(stem)
         name = "-".join(re.sub(r"[^\w.+-]", "_", part) for part in parts).strip(".-") or "robot"
         label, number = name, 2
         while label in found:

@@ -270,7 +270,7 @@ def test_folder_and_shards_build_every_robot_once(cli: Cli, package: Path, tmp_p
     for part in ("1/2", "2/2"):
         assert cli("build", root, "-o", "parts", "--no-validate", "--shard", part).returncode == 0
     assert tree(tmp_path / "parts") == tree(tmp_path / "whole")
-    assert sorted(p.name for p in (tmp_path / "whole").iterdir()) == ["urdf-second", "urdf-tiny"]
+    assert sorted(p.name for p in (tmp_path / "whole").iterdir()) == ["second", "tiny"]
 
 
 def test_visual_source_replaces_collisions_by_hulls_of_what_one_sees(

@@ -67,6 +67,11 @@ def test_one_source_takes_out_and_several_get_folders_whatever_the_shard(tmp_pat
     assert {t.out for t in parts} == {t.out for t in whole}
 
 
+def test_labels_say_what_people_would(tmp_path: Path) -> None:
+    put(tmp_path, "arm/urdf/arm.urdf", "arm/urdf/left.urdf", "kuka/model.urdf", "x.urdf")
+    assert labels(find_sources([tmp_path])) == ("arm", "arm-left", "kuka-model", "x")
+
+
 def test_output_never_replaces_its_own_input(tmp_path: Path) -> None:
     put(tmp_path, "out/a.urdf")
     (tmp_path / "out" / PROVENANCE).write_text(json.dumps({"assetpipe": {}}))
