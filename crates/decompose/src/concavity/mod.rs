@@ -1,5 +1,7 @@
 //! How far a hull is from what it stands for, always as a certified interval.
 
+pub mod certify;
+pub mod coverage;
 mod decision;
 mod depth;
 mod goal;

@@ -189,7 +189,10 @@ fn decisions_agree_with_the_interval() {
                 assert!(ConvexBody::new(&hull).contains(witness));
             }
             Decision::Unproven(found) => {
-                assert!(found.upper > epsilon && found.lower >= 0.998 * epsilon, "{found:?}");
+                assert!(
+                    found.upper > epsilon && found.lower >= 0.998 * epsilon,
+                    "{found:?}"
+                );
             }
         }
     }
