@@ -27,3 +27,4 @@ pub use hierarchy::{Hierarchy, Part};
 pub use holes::HoleAxis;
 pub use point::{convex_hull, orient, signed_area, Point};
 pub use resolve::DiagonalWeights;
+pub use visibility::notch_visibility;

@@ -3,10 +3,10 @@
 
 use spade::{PositionInTriangulation, Triangulation as _};
 
-use crate::arrangement::{handle, index, Edge, Triangulation};
+use crate::arrangement::{arrange, handle, index, Edge, Triangulation};
 use crate::boundary::Boundary;
 use crate::point::{distance_to_segment, orient};
-use crate::Point;
+use crate::{OutlineError, Point};
 
 /// A window through which the eye looks on: the far side of `edge`, between
 /// the rays through `right` and `left`.
@@ -168,4 +168,40 @@ fn along_ray(eye: Point, ray: Point, a: Point, b: Point) -> Point {
         (da / (da - db)).clamp(0.0, 1.0)
     };
     Point::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
+}
+
+/// What every notch of a simple polygon sees: the polygon without redundant
+/// vertices, counter-clockwise, and per vertex, if it is a notch, the
+/// positions of the vertices that a diagonal or an edge joins to it.
+///
+/// # Errors
+/// [`OutlineError`] when `ring` is no simple polygon's boundary.
+pub fn notch_visibility(ring: &[Point]) -> Result<(Vec<Point>, Vec<Vec<u32>>), OutlineError> {
+    let arrangement = arrange(&[ring.to_vec()])?;
+    let mut boundary = Boundary::new(arrangement.points.clone());
+    let start = boundary.add_ring(&arrangement.components[0].outer);
+    boundary.sort_corners();
+    let corners = boundary.ring(start);
+    let mut seen = vec![Vec::new(); corners.len()];
+    for (k, &corner) in corners.iter().enumerate() {
+        if boundary.is_notch(corner) {
+            let eye = boundary.point(corner);
+            from_corner(
+                &arrangement.cdt,
+                &boundary,
+                corner,
+                |_, _| true,
+                |vertex, _| {
+                    // corners of the only ring are numbered along it
+                    seen[k].extend(boundary.facing(vertex, eye));
+                    f64::INFINITY
+                },
+            );
+            seen[k].extend([boundary.previous(corner), boundary.next(corner)]);
+        }
+    }
+    Ok((
+        corners.into_iter().map(|c| boundary.point(c)).collect(),
+        seen,
+    ))
 }

@@ -5,8 +5,12 @@ use assetpipe_polygon::{
     OutlineError, Parameters, Part, Point,
 };
 
-const MEASURES: [Measure; 4] =
-    [Measure::StraightLine, Measure::ShortestPath, Measure::Hybrid1, Measure::Hybrid2];
+const MEASURES: [Measure; 4] = [
+    Measure::StraightLine,
+    Measure::ShortestPath,
+    Measure::Hybrid1,
+    Measure::Hybrid2,
+];
 
 fn ring(points: &[(f64, f64)]) -> Vec<Point> {
     points.iter().map(|&(x, y)| Point::new(x, y)).collect()
@@ -50,7 +54,9 @@ fn spiral(steps: i32) -> Vec<Point> {
             Point::new(r * libm::cos(t), r * libm::sin(t))
         })
     };
-    arm(2.0).chain(arm(0.0).collect::<Vec<_>>().into_iter().rev()).collect()
+    arm(2.0)
+        .chain(arm(0.0).collect::<Vec<_>>().into_iter().rev())
+        .collect()
 }
 
 /// Broke once: after a cut, the pocket behind its far end was forgotten.
@@ -68,7 +74,10 @@ fn pocket_behind_the_far_end() {
         (2.5281451418045964, -6.279257032520091),
     ]);
     for measure in MEASURES {
-        assert!(run(&[outline.clone()], measure, 0.0).at(0.0).iter().all(is_convex));
+        assert!(run(&[outline.clone()], measure, 0.0)
+            .at(0.0)
+            .iter()
+            .all(is_convex));
     }
 }
 
@@ -82,7 +91,10 @@ fn theorem_6_4_zero_tolerance_is_exactly_convex() {
             let parts = levels.at(0.0);
             assert!(parts.iter().all(is_convex));
             assert!((area(&parts) - exact).abs() <= 1e-12 * exact);
-            assert_eq!(Hierarchy::convexity(&parts), 1.0_f64.min(Hierarchy::convexity(&parts)));
+            assert_eq!(
+                Hierarchy::convexity(&parts),
+                1.0_f64.min(Hierarchy::convexity(&parts))
+            );
         }
     }
 }
@@ -94,27 +106,44 @@ fn figure_7_straight_lines_grow_and_shortest_paths_do_not() {
     // a pocket whose far end bends back under the boundary: s is near the
     // bridge in a straight line, far from it on foot
     let outline = ring(&[
-        (0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (6.0, 10.0), (6.0, 3.0), (9.0, 3.0), (9.0, 9.0),
-        (9.5, 9.0), (9.5, 2.0), (5.0, 2.0), (5.0, 10.0), (0.0, 10.0),
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (10.0, 10.0),
+        (6.0, 10.0),
+        (6.0, 3.0),
+        (9.0, 3.0),
+        (9.0, 9.0),
+        (9.5, 9.0),
+        (9.5, 2.0),
+        (5.0, 2.0),
+        (5.0, 10.0),
+        (0.0, 10.0),
     ]);
     let grows = |measure| {
         let levels = run(&[outline.clone()], measure, 0.0);
-        levels.descents().iter().any(|&(after, before)| after > before * (1.0 + 1e-9))
+        levels
+            .descents()
+            .iter()
+            .any(|&(after, before)| after > before * (1.0 + 1e-9))
     };
-    let measured = |measure| {
-        run(&[outline.clone()], measure, f64::MAX).at(f64::MAX)[0].concavity
-    };
+    let measured = |measure| run(&[outline.clone()], measure, f64::MAX).at(f64::MAX)[0].concavity;
     assert!(measured(Measure::ShortestPath) > 1.8 * measured(Measure::StraightLine));
     assert!(!grows(Measure::ShortestPath));
     assert!(!grows(Measure::Hybrid1));
     for spiral in [spiral(60), outline.clone()] {
         for measure in [Measure::ShortestPath, Measure::Hybrid1] {
             let levels = run(&[spiral.clone()], measure, 0.0);
-            assert!(levels.descents().iter().all(|&(after, before)| after <= before * (1.0 + 1e-9)));
+            assert!(levels
+                .descents()
+                .iter()
+                .all(|&(after, before)| after <= before * (1.0 + 1e-9)));
         }
     }
     let windings = run(&[spiral(60)], Measure::StraightLine, 0.0);
-    assert!(windings.descents().iter().any(|&(after, before)| after > before));
+    assert!(windings
+        .descents()
+        .iter()
+        .any(|&(after, before)| after > before));
 }
 
 #[test]
@@ -144,7 +173,10 @@ fn holes_are_kept_or_merged() {
         let fine = levels.at(0.0);
         assert!(fine.iter().all(is_convex));
         assert_eq!(area(&fine), 95.0);
-        let hulls: f64 = fine.iter().map(|p| signed_area(&convex_hull(&p.outer))).sum();
+        let hulls: f64 = fine
+            .iter()
+            .map(|p| signed_area(&convex_hull(&p.outer)))
+            .sum();
         assert_eq!(hulls, 95.0);
     }
 }
@@ -156,7 +188,10 @@ fn holes_that_touch() {
     let outer = ring(&[(0., 0.), (12., 0.), (12., 9.), (0., 9.)]);
     let cases = [
         vec![ring(&[(6., 0.), (8., 3.), (4., 3.)])],
-        vec![ring(&[(6., 3.), (8., 5.), (4., 5.)]), ring(&[(6., 3.), (4., 1.), (8., 1.)])],
+        vec![
+            ring(&[(6., 3.), (8., 5.), (4., 5.)]),
+            ring(&[(6., 3.), (4., 1.), (8., 1.)]),
+        ],
         vec![ring(&[(6., 0.), (8., 4.), (6., 9.), (4., 4.)])],
         vec![ring(&[(0., 0.), (5., 2.), (2., 5.)])],
     ];
@@ -185,10 +220,16 @@ fn what_is_no_outline_is_refused() {
         decompose(rings, &parameters).unwrap_err()
     };
     let bow = ring(&[(0., 0.), (2., 2.), (2., 0.), (0., 2.)]);
-    assert!(matches!(refused(&[bow]), OutlineError::Crossing { ring: 0, .. }));
+    assert!(matches!(
+        refused(&[bow]),
+        OutlineError::Crossing { ring: 0, .. }
+    ));
     let flat = ring(&[(0., 0.), (2., 2.), (1., 1.)]);
     assert_eq!(refused(&[flat]), OutlineError::NoArea);
     let nan = ring(&[(0., 0.), (f64::NAN, 2.), (1., 0.)]);
-    assert_eq!(refused(&[nan]), OutlineError::Coordinate { ring: 0, vertex: 1 });
+    assert_eq!(
+        refused(&[nan]),
+        OutlineError::Coordinate { ring: 0, vertex: 1 }
+    );
     assert_eq!(refused(&[]), OutlineError::NoArea);
 }

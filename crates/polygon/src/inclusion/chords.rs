@@ -16,7 +16,11 @@ impl Chord {
 
     fn meet(&self, p: Point, q: Point) -> Point {
         let (side_p, side_q) = (self.side(p), self.side(q));
-        let t = if side_p == side_q { 0.0 } else { (side_p / (side_p - side_q)).clamp(0.0, 1.0) };
+        let t = if side_p == side_q {
+            0.0
+        } else {
+            (side_p / (side_p - side_q)).clamp(0.0, 1.0)
+        };
         Point::new(p.x + t * (q.x - p.x), p.y + t * (q.y - p.y))
     }
 }
@@ -87,7 +91,11 @@ impl Links {
             return None;
         }
         let end = |kept: usize, last: usize| {
-            if last == r { self.points[r] } else { chord.meet(self.points[last], self.points[kept]) }
+            if last == r {
+                self.points[r]
+            } else {
+                chord.meet(self.points[last], self.points[kept])
+            }
         };
         let start = end(before, self.next[before]);
         let stop = end(after, self.previous[after]);

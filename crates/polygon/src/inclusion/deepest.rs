@@ -50,7 +50,12 @@ pub(super) fn deepest_point(rings: &[Vec<Point>]) -> Option<Point> {
     let cell = |x: f64, y: f64, half: f64| {
         let centre = Point::new(x, y);
         let depth = depth(rings, centre);
-        Cell { centre, half, depth, reach: depth + half * std::f64::consts::SQRT_2 }
+        Cell {
+            centre,
+            half,
+            depth,
+            reach: depth + half * std::f64::consts::SQRT_2,
+        }
     };
     let mut queue = BinaryHeap::new();
     let columns = (((x1 - x0) / (2.0 * half)).ceil() as usize).clamp(1, 64);
@@ -100,5 +105,9 @@ fn depth(rings: &[Vec<Point>], q: Point) -> f64 {
             a = b;
         }
     }
-    if inside { nearest } else { -nearest }
+    if inside {
+        nearest
+    } else {
+        -nearest
+    }
 }

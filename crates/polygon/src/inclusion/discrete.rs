@@ -24,7 +24,11 @@ pub enum Connectivity {
 impl Pixels {
     /// Number of rows.
     pub fn height(&self) -> usize {
-        if self.width == 0 { 0 } else { self.inside.len() / self.width }
+        if self.width == 0 {
+            0
+        } else {
+            self.inside.len() / self.width
+        }
     }
 
     /// Number of pixels in the shape.
@@ -52,7 +56,10 @@ impl Pixels {
 
     /// The connected component with pixel `seed`.
     fn component(&self, seed: usize, connectivity: Connectivity) -> Self {
-        let mut found = Self { width: self.width, inside: vec![false; self.inside.len()] };
+        let mut found = Self {
+            width: self.width,
+            inside: vec![false; self.inside.len()],
+        };
         let mut stack = vec![seed];
         found.inside[seed] = true;
         while let Some(k) = stack.pop() {
@@ -72,8 +79,21 @@ impl Pixels {
 }
 
 fn neighbours(connectivity: Connectivity) -> impl Iterator<Item = (i64, i64)> {
-    let all = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
-    let count = if connectivity == Connectivity::Four { 4 } else { 8 };
+    let all = [
+        (1, 0),
+        (-1, 0),
+        (0, 1),
+        (0, -1),
+        (1, 1),
+        (1, -1),
+        (-1, 1),
+        (-1, -1),
+    ];
+    let count = if connectivity == Connectivity::Four {
+        4
+    } else {
+        8
+    };
     all.into_iter().take(count)
 }
 
@@ -82,8 +102,11 @@ fn neighbours(connectivity: Connectivity) -> impl Iterator<Item = (i64, i64)> {
 fn distances(pixels: &Pixels, target: bool, connectivity: Connectivity) -> Vec<u32> {
     let (w, h) = (pixels.width, pixels.height());
     let border = if target { u32::MAX / 2 } else { 0 };
-    let mut d: Vec<u32> =
-        pixels.inside.iter().map(|&p| if p == target { 0 } else { u32::MAX / 2 }).collect();
+    let mut d: Vec<u32> = pixels
+        .inside
+        .iter()
+        .map(|&p| if p == target { 0 } else { u32::MAX / 2 })
+        .collect();
     let at = |d: &[u32], x: i64, y: i64| {
         if x < 0 || y < 0 || x as usize >= w || y as usize >= h {
             border
@@ -99,7 +122,9 @@ fn distances(pixels: &Pixels, target: bool, connectivity: Connectivity) -> Vec<u
             let s = if backward { 1 } else { -1 };
             let mut best = d[k].min(at(&d, x + s, y) + 1).min(at(&d, x, y + s) + 1);
             if diagonal {
-                best = best.min(at(&d, x - 1, y + s) + 1).min(at(&d, x + 1, y + s) + 1);
+                best = best
+                    .min(at(&d, x - 1, y + s) + 1)
+                    .min(at(&d, x + 1, y + s) + 1);
             }
             d[k] = best;
         }
@@ -115,7 +140,13 @@ pub fn hausdorff(p: &Pixels, q: &Pixels, connectivity: Connectivity) -> Option<i
     }
     let one_sided = |a: &Pixels, b: &Pixels| {
         let d = distances(b, true, connectivity);
-        a.inside.iter().zip(d).filter(|(&inside, _)| inside).map(|(_, d)| d).max().unwrap_or(0)
+        a.inside
+            .iter()
+            .zip(d)
+            .filter(|(&inside, _)| inside)
+            .map(|(_, d)| d)
+            .max()
+            .unwrap_or(0)
     };
     Some(-i64::from(one_sided(p, q).max(one_sided(q, p))))
 }
@@ -137,8 +168,18 @@ pub fn convex_pixels(shape: &Pixels, connectivity: Connectivity) -> Pixels {
         let mut violations: Vec<(i64, i64)> = Vec::new();
         let sides = loop {
             let kept = |k: usize| shape.inside[k] && depth[k] > level;
-            let hull = hull_of(&shape, if level >= depth[seed] { None } else { Some(&kept) }, seed);
-            let outside: Vec<_> = pixels_of(&hull).filter(|&(x, y)| !shape.has(x, y)).collect();
+            let hull = hull_of(
+                &shape,
+                if level >= depth[seed] {
+                    None
+                } else {
+                    Some(&kept)
+                },
+                seed,
+            );
+            let outside: Vec<_> = pixels_of(&hull)
+                .filter(|&(x, y)| !shape.has(x, y))
+                .collect();
             if outside.is_empty() {
                 break hull;
             }
@@ -159,7 +200,9 @@ pub fn convex_pixels(shape: &Pixels, connectivity: Connectivity) -> Pixels {
 fn cut(shape: &mut Pixels, hull: &[(i64, i64)], violations: &[(i64, i64)]) {
     if hull.len() < 3 {
         let (x, y) = hull[0];
-        let Some(&near) = violations.iter().min_by_key(|v| (v.0 - x).pow(2) + (v.1 - y).pow(2))
+        let Some(&near) = violations
+            .iter()
+            .min_by_key(|v| (v.0 - x).pow(2) + (v.1 - y).pow(2))
         else {
             return;
         };
@@ -187,7 +230,12 @@ fn cut(shape: &mut Pixels, hull: &[(i64, i64)], violations: &[(i64, i64)]) {
     for &v in violations {
         // the side a concavity lies beyond is the one it is farthest beyond
         let outer = (0..hull.len())
-            .map(|k| (beyond(k, v) as f64 / (along(normal(k), normal(k)) as f64).sqrt(), k))
+            .map(|k| {
+                (
+                    beyond(k, v) as f64 / (along(normal(k), normal(k)) as f64).sqrt(),
+                    k,
+                )
+            })
             .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
         if let Some((distance, side)) = outer {
             if best.is_none_or(|b| distance < b.0) {
@@ -215,10 +263,16 @@ fn hull_of(shape: &Pixels, kept: Option<&dyn Fn(usize) -> bool>, seed: usize) ->
         let mut row = (0..w).filter(|x| kept(y * w + x));
         if let Some(first) = row.next() {
             ends.push(Point::new(first as f64, y as f64));
-            ends.push(Point::new(row.next_back().unwrap_or(first) as f64, y as f64));
+            ends.push(Point::new(
+                row.next_back().unwrap_or(first) as f64,
+                y as f64,
+            ));
         }
     }
-    convex_hull(&ends).into_iter().map(|p| (p.x as i64, p.y as i64)).collect()
+    convex_hull(&ends)
+        .into_iter()
+        .map(|p| (p.x as i64, p.y as i64))
+        .collect()
 }
 
 /// All pixels whose centre is in the hull, in integers.
@@ -250,7 +304,10 @@ mod tests {
     fn image(rows: &[&str]) -> Pixels {
         Pixels {
             width: rows[0].len(),
-            inside: rows.iter().flat_map(|r| r.chars().map(|c| c == '#')).collect(),
+            inside: rows
+                .iter()
+                .flat_map(|r| r.chars().map(|c| c == '#'))
+                .collect(),
         }
     }
 
@@ -265,16 +322,30 @@ mod tests {
     fn the_arm_of_an_l_is_cut_off() {
         let shape = image(&["######..", "######..", "######..", "########", "########"]);
         let found = convex_pixels(&shape, Connectivity::Four);
-        assert!(found.inside.iter().zip(&shape.inside).all(|(f, s)| !f || *s));
+        assert!(found
+            .inside
+            .iter()
+            .zip(&shape.inside)
+            .all(|(f, s)| !f || *s));
         assert_eq!(found.area(), 31);
         let places = |p: &Pixels| -> Vec<_> {
-            (0..p.inside.len()).filter(|&k| p.inside[k]).map(|k| p.place(k)).collect()
+            (0..p.inside.len())
+                .filter(|&k| p.inside[k])
+                .map(|k| p.place(k))
+                .collect()
         };
         let nearest = |a: (i64, i64)| {
-            places(&found).iter().map(|b| (a.0 - b.0).abs() + (a.1 - b.1).abs()).min().unwrap()
+            places(&found)
+                .iter()
+                .map(|b| (a.0 - b.0).abs() + (a.1 - b.1).abs())
+                .min()
+                .unwrap()
         };
         let farthest = places(&shape).into_iter().map(nearest).max().unwrap();
-        assert_eq!(hausdorff(&shape, &found, Connectivity::Four), Some(-farthest));
+        assert_eq!(
+            hausdorff(&shape, &found, Connectivity::Four),
+            Some(-farthest)
+        );
     }
 
     #[test]
@@ -282,9 +353,14 @@ mod tests {
         let mut state = 7_u64;
         for _ in 0..200 {
             let (w, h) = (18, 14);
-            let mut shape = Pixels { width: w, inside: vec![false; w * h] };
+            let mut shape = Pixels {
+                width: w,
+                inside: vec![false; w * h],
+            };
             for _ in 0..6 {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
                 let [x, y, a, b] = [33, 40, 47, 54].map(|s| (state >> s) as usize % 9);
                 for j in y..(y + b + 1).min(h) {
                     for i in x..(x + a + 1).min(w) {
@@ -297,7 +373,11 @@ mod tests {
             let all = |k: usize| found.inside[k];
             let hull = hull_of(&found, Some(&all), 0);
             assert!(pixels_of(&hull).all(|(x, y)| found.has(x, y)));
-            assert!(found.inside.iter().zip(&shape.inside).all(|(f, s)| !f || *s));
+            assert!(found
+                .inside
+                .iter()
+                .zip(&shape.inside)
+                .all(|(f, s)| !f || *s));
         }
     }
 }

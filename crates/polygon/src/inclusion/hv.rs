@@ -75,7 +75,13 @@ pub fn regions(shape: &Pixels) -> Regions {
         areas[label as usize - 1] += 1;
     }
     let (adjacent, incompatible) = graphs(shape, &labels, n);
-    Regions { labels, weights, areas, adjacent, incompatible }
+    Regions {
+        labels,
+        weights,
+        areas,
+        adjacent,
+        incompatible,
+    }
 }
 
 /// Labels in the order in which a reader meets them.
@@ -99,7 +105,8 @@ fn each_line(shape: &Pixels, mut line: impl FnMut(&[usize])) {
 }
 
 fn runs<'a>(shape: &'a Pixels, line: &'a [usize]) -> impl Iterator<Item = &'a [usize]> {
-    line.chunk_by(|&a, &b| shape.inside[a] == shape.inside[b]).filter(|run| shape.inside[run[0]])
+    line.chunk_by(|&a, &b| shape.inside[a] == shape.inside[b])
+        .filter(|run| shape.inside[run[0]])
 }
 
 fn weights(shape: &Pixels) -> Vec<u32> {
@@ -122,7 +129,10 @@ pub fn is_hv_convex(shape: &Pixels) -> bool {
 
 fn flood(part: &Pixels, weights: &[u32], seed: usize, seen: &mut [bool]) -> Pixels {
     let (w, h) = (part.width, part.height());
-    let mut piece = Pixels { width: w, inside: vec![false; part.inside.len()] };
+    let mut piece = Pixels {
+        width: w,
+        inside: vec![false; part.inside.len()],
+    };
     let mut stack = vec![seed];
     seen[seed] = true;
     while let Some(k) = stack.pop() {
@@ -226,7 +236,12 @@ struct Search<'a> {
 pub fn largest_hv_convex(shape: &Pixels, steps: usize) -> Solution {
     let regions = regions(shape);
     let n = regions.areas.len();
-    let mut search = Search { shape, regions: &regions, steps, best: (0, Vec::new()) };
+    let mut search = Search {
+        shape,
+        regions: &regions,
+        steps,
+        best: (0, Vec::new()),
+    };
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by_key(|&k| (std::cmp::Reverse(regions.areas[k]), k));
     let mut closed = vec![false; n];
@@ -236,12 +251,23 @@ pub fn largest_hv_convex(shape: &Pixels, steps: usize) -> Solution {
         closed[k] = true;
     }
     let (steps, best) = (search.steps, search.best.1);
-    Solution { pixels: union(shape, &regions, &best), regions: best, optimal: steps > 0 }
+    Solution {
+        pixels: union(shape, &regions, &best),
+        regions: best,
+        optimal: steps > 0,
+    }
 }
 
 fn union(shape: &Pixels, regions: &Regions, set: &[usize]) -> Pixels {
-    let inside = regions.labels.iter().map(|&l| l > 0 && set.contains(&(l as usize - 1))).collect();
-    Pixels { width: shape.width, inside }
+    let inside = regions
+        .labels
+        .iter()
+        .map(|&l| l > 0 && set.contains(&(l as usize - 1)))
+        .collect();
+    Pixels {
+        width: shape.width,
+        inside,
+    }
 }
 
 impl Search<'_> {

@@ -51,7 +51,13 @@ pub fn distance_to_kernel(ring: &[Point], kernel: &[Point]) -> Vec<(f64, usize)>
     let Some(&first) = ring.first() else {
         return Vec::new();
     };
-    let mut j = (0..m).fold(0, |best, j| if to_edge(first, j) < to_edge(first, best) { j } else { best });
+    let mut j = (0..m).fold(0, |best, j| {
+        if to_edge(first, j) < to_edge(first, best) {
+            j
+        } else {
+            best
+        }
+    });
     ring.iter()
         .map(|&q| {
             let mut here = to_edge(q, j);

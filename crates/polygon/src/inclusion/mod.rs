@@ -44,10 +44,17 @@ const ROUNDS: usize = 4;
 /// [`OutlineError`] as for [`decompose`].
 pub fn convex_subset(rings: &[Vec<Point>]) -> Result<(Vec<Point>, Origin), OutlineError> {
     let arrangement = arrange(rings)?;
-    let mut best = Best { area: 0.0, polygon: Vec::new(), origin: Origin::Visibility };
+    let mut best = Best {
+        area: 0.0,
+        polygon: Vec::new(),
+        origin: Origin::Visibility,
+    };
     if let [only] = &arrangement.components[..] {
-        let ring: Vec<Point> =
-            only.outer.iter().map(|&v| arrangement.points[v as usize]).collect();
+        let ring: Vec<Point> = only
+            .outer
+            .iter()
+            .map(|&v| arrangement.points[v as usize])
+            .collect();
         if only.holes.is_empty() {
             if let Some(found) = convex_subset_of_star(&ring) {
                 best.offer(found.polygon, Origin::Kernel);
@@ -66,9 +73,12 @@ pub fn convex_subset(rings: &[Vec<Point>]) -> Result<(Vec<Point>, Origin), Outli
     if let Some(part) = parts.first() {
         best.offer(part.outer.clone(), Origin::Visibility);
     }
-    let seeds = deepest::deepest_point(rings)
-        .into_iter()
-        .chain(parts.iter().take(PART_SEEDS).map(|part| middle(&part.outer)));
+    let seeds = deepest::deepest_point(rings).into_iter().chain(
+        parts
+            .iter()
+            .take(PART_SEEDS)
+            .map(|part| middle(&part.outer)),
+    );
     for seed in seeds {
         let mut eye = seed;
         let mut here = 0.0;
@@ -102,7 +112,11 @@ impl Best {
         let hull = crate::signed_area(&crate::convex_hull(&polygon));
         let wins = area > self.area && hull - area <= 1e-12 * hull;
         if wins {
-            *self = Self { area, polygon, origin };
+            *self = Self {
+                area,
+                polygon,
+                origin,
+            };
         }
         wins
     }
@@ -110,5 +124,8 @@ impl Best {
 
 fn middle(ring: &[Point]) -> Point {
     let n = ring.len() as f64;
-    Point::new(ring.iter().map(|p| p.x / n).sum(), ring.iter().map(|p| p.y / n).sum())
+    Point::new(
+        ring.iter().map(|p| p.x / n).sum(),
+        ring.iter().map(|p| p.y / n).sum(),
+    )
 }

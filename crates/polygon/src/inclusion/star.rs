@@ -101,14 +101,20 @@ fn grow(ring: &[Point], kernel: Vec<Point>) -> ConvexSubset {
         }
     }
     let polygon = links.ring().into_iter().map(|k| links.points[k]).collect();
-    ConvexSubset { polygon: convexified(polygon), kernel }
+    ConvexSubset {
+        polygon: convexified(polygon),
+        kernel,
+    }
 }
 
 /// The extremal chords along the two edges at `r` and the single-pivot one.
 fn chords(links: &Links, r: usize, tangent: Option<(f64, f64)>) -> impl Iterator<Item = Chord> {
     let through = links.points[r];
     let (p, q) = (links.points[links.previous(r)], links.points[links.next(r)]);
-    let extremal = [(through.x - p.x, through.y - p.y), (q.x - through.x, q.y - through.y)];
+    let extremal = [
+        (through.x - p.x, through.y - p.y),
+        (q.x - through.x, q.y - through.y),
+    ];
     extremal
         .into_iter()
         .chain(tangent)
@@ -117,11 +123,17 @@ fn chords(links: &Links, r: usize, tangent: Option<(f64, f64)>) -> impl Iterator
 
 /// The double-pivot chord, directed so that the kernel is left of it.
 fn through_both(r1: Point, r2: Point, inside: Point) -> Chord {
-    let chord = Chord { through: r1, direction: (r2.x - r1.x, r2.y - r1.y) };
+    let chord = Chord {
+        through: r1,
+        direction: (r2.x - r1.x, r2.y - r1.y),
+    };
     if chord.side(inside) >= 0.0 {
         chord
     } else {
-        Chord { through: r1, direction: (r1.x - r2.x, r1.y - r2.y) }
+        Chord {
+            through: r1,
+            direction: (r1.x - r2.x, r1.y - r2.y),
+        }
     }
 }
 
