@@ -6,6 +6,8 @@
 mod build;
 mod closest;
 mod crossings;
+#[cfg(test)]
+mod tests;
 
 pub use closest::Nearest;
 pub use crossings::Side;

@@ -111,3 +111,39 @@ impl<'a> ConvexBody<'a> {
             })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::convex_hull;
+    use crate::sample::Random;
+
+    #[test]
+    fn half_spaces_hold_every_vertex_and_little_more() {
+        let mut random = Random::new(2);
+        for k in 0..60 {
+            let flat = 0.1f64.powi(k % 12);
+            let offset = DVec3::splat(if k % 3 == 0 { 1e4 } else { 0.0 });
+            let points: Vec<DVec3> = (0..40)
+                .map(|_| {
+                    let mut next = || random.unit() * 2.0 - 1.0;
+                    DVec3::new(next(), next(), next() * flat) + offset
+                })
+                .collect();
+            let hull = convex_hull(&points).unwrap();
+            let body = ConvexBody::new(&hull);
+            let size = 1e-9 + 1e-12 * offset.length();
+            for space in body.half_spaces() {
+                let most = hull
+                    .vertices
+                    .iter()
+                    .fold(f64::NEG_INFINITY, |m, v| m.max(space.normal.dot(*v)));
+                assert!(most <= space.offset && space.offset <= most + size);
+            }
+            assert!(hull.vertices.iter().all(|v| body.contains(*v)));
+            for v in &hull.vertices {
+                assert!(!body.contains(*v + (*v - body.centre()) * 1e-6));
+            }
+        }
+    }
+}

@@ -69,3 +69,29 @@ impl SolidIndex {
             .map_or(f64::INFINITY, |n| n.distance2.sqrt())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::convex_hull;
+
+    #[test]
+    fn zero_inside_and_the_surface_outside() {
+        let corners: Vec<DVec3> = (0..8)
+            .map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)))
+            .collect();
+        let index = SolidIndex::new(&convex_hull(&corners).unwrap());
+        assert_eq!(index.distance(DVec3::splat(0.5)), 0.0);
+        assert_eq!(index.distance(DVec3::new(0.5, 0.5, 3.0)), 2.0);
+        assert_eq!(index.distance(DVec3::splat(2.0)), 3.0f64.sqrt());
+        assert_eq!(index.distance(DVec3::new(1.0, 1.0, 1.0)), 0.0);
+        assert!(index.slack() > 0.0 && index.slack() < 1e-8);
+    }
+
+    #[test]
+    fn nothing_is_infinitely_far() {
+        let index = SolidIndex::new(&Mesh::default());
+        assert_eq!(index.distance(DVec3::ZERO), f64::INFINITY);
+        assert_eq!(index.slack(), 0.0);
+    }
+}

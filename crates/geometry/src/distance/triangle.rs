@@ -124,3 +124,65 @@ fn closest_on_segment(s: DVec3, t: DVec3, q: DVec3) -> DVec3 {
     }
     s + st * (st.dot(q - s) / length2).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::Random;
+
+    /// The least over a fine grid of the triangle.
+    fn on_grid(corners: [DVec3; 3], q: DVec3) -> f64 {
+        const STEPS: usize = 200;
+        let [a, b, c] = corners;
+        let mut least = f64::INFINITY;
+        for i in 0..=STEPS {
+            for j in 0..=STEPS - i {
+                let (u, v) = (i as f64 / STEPS as f64, j as f64 / STEPS as f64);
+                least = least.min((a + (b - a) * u + (c - a) * v).distance_squared(q));
+            }
+        }
+        least.sqrt()
+    }
+
+    #[test]
+    fn as_near_as_a_fine_grid() {
+        let mut random = Random::new(1);
+        let mut point = move || {
+            let mut next = || random.unit() * 2.0 - 1.0;
+            DVec3::new(next(), next(), next())
+        };
+        for k in 0..200 {
+            let (a, mut b, mut c) = (point(), point(), point());
+            if k % 2 == 0 {
+                // A sliver, down to a few ulps wide.
+                let width = 0.1f64.powi(k % 17);
+                c = a + (b - a) * 0.3 + (c - a) * width;
+            }
+            if k % 20 == 0 {
+                b = a;
+            }
+            let q = point() * 2.0;
+            let triangle = Triangle::new([a, b, c]);
+            let found = triangle.distance2(q).sqrt();
+            let grid = on_grid([a, b, c], q);
+            assert!(found <= grid + 1e-12, "{k} {found} {grid}");
+            assert!(grid - found <= 2e-2, "{k} {found} {grid}");
+            let p = triangle.closest(q);
+            assert!(on_grid([a, b, c], p) <= 2e-2);
+        }
+    }
+
+    #[test]
+    fn corners_edges_and_inside() {
+        let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]);
+        for (q, expected) in [
+            (DVec3::new(-1.0, -1.0, 0.0), DVec3::ZERO),
+            (DVec3::new(2.0, -1.0, 5.0), DVec3::X),
+            (DVec3::new(0.25, 0.25, 3.0), DVec3::new(0.25, 0.25, 0.0)),
+            (DVec3::new(0.5, -2.0, 0.0), DVec3::new(0.5, 0.0, 0.0)),
+            (DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.5, 0.5, 0.0)),
+        ] {
+            assert_eq!(triangle.closest(q), expected);
+        }
+    }
+}
