@@ -19,6 +19,10 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
         request: ``task`` "load": ``urdf`` path and ``probes``, a list of ``{link,
             centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``.
     """
+    if request["task"] == "scene":
+        from assetpipe.validation.dynamics.mujoco_scene import simulate
+
+        return simulate(request)
     import mujoco
     import numpy as np
 

@@ -231,6 +231,8 @@ def _read(scene: Scene, assets: Mapping[str, SceneAsset], told: Mapping[str, Any
         return _self_collision(told["configurations"])
     states, path = told["states"], told["path"]
     evidence = {"path": path, "touching": told["touching"], "simulated": states[-1]["time"]}
+    if told.get("notes"):
+        evidence["notes"] = told["notes"]
     limit = scene.limit if scene.limit is not None else math.inf
     if scene.question == "reach":
         free = not path["touched"] and path["progress"] >= 1.0 - 1e-6

@@ -209,7 +209,7 @@ def answer_scene(
     chosen = options or SceneOptions()
     engine = _engine(chosen)
     planned = plan(scene, assets, effects=chosen.effects, engine=engine)
-    measured, seconds, message = _attempt(scene, assets, planned, chosen)
+    measured, seconds, message = attempt(scene, assets, planned, chosen)
     expected, expectation = _expected(scene, measured)
     toggled: list[Toggled] = []
     if chosen.depth == "sensitivity" and measured is not None:
@@ -220,7 +220,7 @@ def answer_scene(
             cases.append((effect, state, plan(scene, assets, effects=effects, engine=engine)))
         full = plan(scene, assets, engine=engine, scope="everything")
         for label, state, again in [*cases, ("everything", "on", full)]:
-            found, cost, said = _attempt(scene, assets, again, chosen)
+            found, cost, said = attempt(scene, assets, again, chosen)
             toggled.append(
                 Toggled(
                     label,
@@ -251,9 +251,10 @@ def _engine(options: SceneOptions) -> Backend:
     return options.engine or default_engine() or "none"
 
 
-def _attempt(
+def attempt(
     scene: Scene, assets: Mapping[str, SceneAsset], planned: Plan, options: SceneOptions
 ) -> tuple[Measured | None, float, str]:
+    """Answer one plan: what was measured, CPU seconds, and why nothing was measured."""
     if planned.method != "dynamics":
         _import_libraries()
         started = time.process_time()

@@ -7,7 +7,7 @@ from assetpipe.shipped import CONFIGS
 from assetpipe.validation.dynamics import available_engines
 from assetpipe.validation.effects import METHODS, plan
 from assetpipe.validation.runners import SceneOptions, answer_scene, run_queries, run_scene
-from assetpipe.validation.runners.scene import _attempt, same_answer
+from assetpipe.validation.runners.scene import attempt, same_answer
 from assetpipe.validation.scenes import DirectProvider, build_assets, load_scene, parse_scene
 
 SHIPPED = sorted(p.stem for p in (CONFIGS / "scenes").glob("*.yaml"))
@@ -140,8 +140,8 @@ def test_everything_on_changes_no_answer(name, provider):
     least, full = plan(scene, assets), plan(scene, assets, scope="everything")
     assert METHODS.index(least.method) <= METHODS.index(full.method)
     options = SceneOptions()
-    first, _, _ = _attempt(scene, assets, least, options)
-    second, _, message = _attempt(scene, assets, full, options)
+    first, _, _ = attempt(scene, assets, least, options)
+    second, _, message = attempt(scene, assets, full, options)
     assert message == ""
     assert same_answer(scene, least, first, full, second), (first, second)
 
@@ -182,3 +182,14 @@ def test_without_an_engine_a_scene_is_not_passed(monkeypatch):
     found = run_scene("tower_settles")
     assert found.answer is None
     assert [f.code for f in found.findings()] == ["AP411"]
+
+
+DYNAMIC = [name for name in SHIPPED if needs_engine(name)]
+
+
+@pytest.mark.skipif("mujoco" not in available_engines(), reason="MuJoCo is not installed")
+@pytest.mark.parametrize("name", DYNAMIC)
+def test_the_second_engine_gives_the_same_answers(name, provider):
+    found = run_scene(name, provider=provider, options=SceneOptions(engine="mujoco"))
+    assert found.message == ""
+    assert found.expected is True, found.measured
