@@ -24,16 +24,19 @@ DATA = Path(pybullet_data.__file__).parent
 ROOT = Path(__file__).resolve().parents[2]
 QUICK = ["r2d2.urdf", "kuka_iiwa/model.urdf", "xarm/xarm6_robot.urdf"]
 SLOW = ["franka_panda/panda.urdf", "laikago/laikago.urdf", "mini_cheetah/mini_cheetah.urdf"]
+COARSE = {"mini_cheetah/mini_cheetah.urdf": ("--effort", "fast", "--tolerance", "2%")}
+"""Robots whose many details would take minutes at the defaults."""
+
 SAMPLES = 300
 
 
 class Built:
     """A robot built once for all tests of this file."""
 
-    def __init__(self, source: Path, out: Path) -> None:
+    def __init__(self, source: Path, out: Path, *options: str) -> None:
         self.source, self.out = source, out
         done = subprocess.run(
-            [sys.executable, "-m", "assetpipe", "build", source, "-o", out, "--no-cache"],
+            [sys.executable, "-m", "assetpipe", "build", source, "-o", out, "--no-cache", *options],
             capture_output=True,
             text=True,
             check=False,
@@ -57,7 +60,8 @@ class Built:
     params=[*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)],
 )
 def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Built:
-    return Built(DATA / request.param, tmp_path_factory.mktemp("robot") / "out")
+    out = tmp_path_factory.mktemp("robot") / "out"
+    return Built(DATA / request.param, out, *COARSE.get(request.param, ()))
 
 
 def test_builds_with_findings_at_most(built: Built) -> None:
