@@ -99,6 +99,7 @@ def decompose(
     epsilon = wanted.on(solid)
     settings: dict[str, str | float] = {
         **_SETTINGS[effort],
+        "metric": metric,
         "seed": seed,
         "most_vertices": max_hull_vertices or 0,
         **(params.search if params else {}),

@@ -90,10 +90,13 @@ fn main() {
                 let vertices: usize = hulls.iter().map(|h| h.mesh.vertices.len()).sum();
                 let worst = hulls.iter().map(|h| h.thickening.upper).fold(0.0, f64::max) / epsilon * threshold;
                 let name = file.rsplit('/').next().unwrap_or(&file);
+                let concavity =
+                    hulls.iter().filter_map(|h| h.concavity).map(|c| c.upper).fold(0.0, f64::max) / epsilon * threshold;
                 println!(
-                    "{name:24} {:5} hulls {:7.3} s {vertices:6} vertices  {:.5}",
+                    "{name:24} {:5} hulls {:7.3} s {vertices:6} vertices  wall {:.3} concavity {concavity:.4} thickening {:.5}",
                     hulls.len(),
                     (processor_seconds() - start).max(0.001),
+                    wall.elapsed().as_secs_f64(),
                     worst
                 );
             }

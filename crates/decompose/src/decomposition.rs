@@ -7,14 +7,15 @@ use glam::DMat3;
 use rayon::prelude::*;
 
 use crate::candidates::frame;
-use crate::concavity::{Interval, Limits};
+use crate::concavity::{Gap, Interval, Limits};
 use crate::control::Control;
 use crate::convex::{check_closed, is_convex};
 use crate::engine::decompose_working;
 use crate::error::DecomposeError;
 use crate::finish::Finish;
 use crate::hierarchy::{build, Node};
-use crate::merge::volume;
+use crate::judge::Judge;
+use crate::merge::{volume, Proved};
 use crate::settings::{FrameChoice, SearchSettings};
 use crate::working::Working;
 
@@ -102,9 +103,24 @@ fn concave(
     if target <= 0.0 {
         return Err(DecomposeError::Tolerance { epsilon });
     }
-    let cover = decompose_working(&copy, &solid, target, settings, control)?;
-    let finish = Finish { working: &working, solid: &solid, epsilon: target, slim: settings.slim, most_vertices: settings.most_vertices, limits: &limits };
-    let finished = cover.hulls.par_iter().map(|h| finish.run(h, &cover.parts)).collect::<Result<Vec<_>, _>>()?;
+    let judge = Judge { solid: &solid, metric: settings.metric, epsilon: target, limits: &limits };
+    let cover = decompose_working(&copy, &judge, settings, control)?;
+    let finish =
+        Finish {
+        working: &working,
+        judge,
+        slim: settings.slim,
+        // Below a hundredth of the tolerance nobody needs digits.
+        gap: Gap { relative: settings.gap, absolute: 0.01 * target },
+        cells: settings.cells,
+        most_vertices: settings.most_vertices,
+    };
+    let finished: Vec<(Mesh, Proved, Option<Interval>)> =
+        cover.hulls.par_iter().map(|h| finish.run(h, &cover.parts)).collect::<Result<_, _>>()?;
+    if control.is_cancelled() {
+        return Err(DecomposeError::Cancelled);
+    }
+    control.report(0.95);
     let leaves = finished.len();
     let nodes = build(&finish, finished)?;
     if control.is_cancelled() {
@@ -148,7 +164,10 @@ fn output(working: &Working, node: Node) -> Hull {
             lower: (out(lower) - 2.0 * working.rounding()).max(0.0),
             upper: out(upper) + 2.0 * working.rounding(),
         },
-        concavity: None,
+        concavity: node.concavity.map(|c| Interval {
+            lower: (out(c.lower) - 2.0 * working.rounding()).max(0.0),
+            upper: out(c.upper) + 2.0 * working.rounding(),
+        }),
         children: node.children,
     }
 }

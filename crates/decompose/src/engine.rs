@@ -1,24 +1,23 @@
 //! Algorithm 1: cut until every part is proved, then merge.
 
-use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::HullError;
 use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::candidates::flat_faces;
-use crate::concavity::thickening::{decide, Decision};
-use crate::concavity::{Interval, Limits};
+use crate::concavity::{Decision, Interval};
 use crate::control::Control;
 use crate::error::DecomposeError;
 use crate::forbidden;
+use crate::judge::Judge;
 use crate::merge::{merge, Proved};
 use crate::part::{connected_parts, Part};
 use crate::proxy;
 use crate::search::lookahead::{extent, Lookahead, Question};
 use crate::search::piece::Piece;
 use crate::search::trial::Basis;
-use crate::settings::SearchSettings;
+use crate::settings::{Metric, SearchSettings};
 
 /// More parts than this mean that the tolerance does not fit the solid.
 const MOST_PARTS: usize = 20_000;
@@ -27,8 +26,8 @@ const MOST_PARTS: usize = 20_000;
 pub struct Cover {
     /// The hulls; `members` are indices of `parts`.
     pub hulls: Vec<Proved>,
-    /// The points of each part before merging.
-    pub parts: Vec<Vec<DVec3>>,
+    /// The parts before merging.
+    pub parts: Vec<Piece>,
 }
 
 /// Decompose a closed solid in its working copy.
@@ -37,13 +36,10 @@ pub struct Cover {
 /// [`DecomposeError`].
 pub fn decompose_working(
     mesh: &Mesh,
-    solid: &SolidIndex,
-    epsilon: f64,
+    judge: &Judge<'_>,
     settings: &SearchSettings,
     control: &Control,
 ) -> Result<Cover, DecomposeError> {
-    let cancelled = || control.is_cancelled();
-    let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
     let mut frontier = Vec::new();
     for piece in crate::part::components(Piece::from(mesh)) {
         let closed = Mesh { vertices: piece.points.clone(), triangles: piece.triangles.clone() };
@@ -54,13 +50,13 @@ pub fn decompose_working(
     let mut open_volume = total_volume;
     let mut witnesses = Vec::new();
     let mut done: Vec<Proved> = Vec::new();
-    let mut parts: Vec<Vec<DVec3>> = Vec::new();
+    let mut parts: Vec<Piece> = Vec::new();
     while !frontier.is_empty() {
         // All parts of one generation side by side; taken in their order, so
         // the result does not depend on who was first.
         let steps: Vec<Step> = frontier
             .into_par_iter()
-            .map(|part| step(solid, part, epsilon, settings, &limits))
+            .map(|part| step(judge, part, settings))
             .collect::<Result<_, _>>()?;
         frontier = Vec::new();
         for step in steps {
@@ -69,7 +65,7 @@ pub fn decompose_working(
                     open_volume -= piece.volume();
                     let members = vec![done.len() as u32];
                     done.push(Proved { hull, thickening, members });
-                    parts.push(piece.points);
+                    parts.push(piece);
                 }
                 Step::Cut { children, witness } => {
                     witnesses.extend(witness);
@@ -84,9 +80,9 @@ pub fn decompose_working(
         }
     }
     if settings.merging {
-        done = merge(solid, done, epsilon, settings.merge_order, &mut witnesses, &limits);
+        done = merge(judge, done, &parts, settings.merge_order, &mut witnesses);
     }
-    if cancelled() {
+    if control.is_cancelled() {
         return Err(DecomposeError::Cancelled);
     }
     Ok(Cover { hulls: done, parts })
@@ -100,24 +96,18 @@ enum Step {
     Cut { children: Vec<Part>, witness: Option<DVec3> },
 }
 
-fn step(
-    solid: &SolidIndex,
-    part: Part,
-    epsilon: f64,
-    settings: &SearchSettings,
-    limits: &Limits<'_>,
-) -> Result<Step, DecomposeError> {
-    if (limits.cancelled)() {
+fn step(judge: &Judge<'_>, part: Part, settings: &SearchSettings) -> Result<Step, DecomposeError> {
+    if (judge.limits.cancelled)() {
         return Err(DecomposeError::Cancelled);
     }
-    let witness = match decide(solid, &part.hull, epsilon, limits) {
+    let witness = match judge.decide(&part.hull, &[&part.piece]) {
         Decision::Within(thickening) => {
             return Ok(Step::Done { hull: part.hull, thickening, piece: part.piece });
         }
-        Decision::Beyond { witness, .. } => Some(witness),
-        Decision::Unproven(_) => None,
+        Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => Some(witness),
+        Decision::Beyond { .. } | Decision::Unproven(_) => None,
     };
-    let plane = cut(solid, &part, epsilon, settings);
+    let plane = cut(judge, &part, settings);
     Ok(Step::Cut { children: part.split(plane).map_err(internal)?, witness })
 }
 
@@ -127,14 +117,15 @@ fn internal(error: HullError) -> DecomposeError {
 }
 
 /// The plane that cuts a part.
-fn cut(solid: &SolidIndex, part: &Part, epsilon: f64, settings: &SearchSettings) -> Plane {
+fn cut(judge: &Judge<'_>, part: &Part, settings: &SearchSettings) -> Plane {
+    let epsilon = judge.epsilon;
     let directions: Vec<Basis> = (0..3).map(Basis::axis).collect();
     let flat = |most: usize| -> Vec<Vec<f64>> {
         let (area, gap) = (settings.face * epsilon * epsilon, 1e-4 * epsilon);
         directions.iter().map(|b| flat_faces::offsets(&part.piece, b.w, area, gap, most)).collect()
     };
     let (extra, extra_second) = (flat(settings.faces), flat(settings.second_faces));
-    let samples = forbidden::sample(solid, &part.hull, epsilon, settings.samples);
+    let samples = forbidden::sample(judge.solid, &part.hull, epsilon, settings.samples);
     let question = Question {
         piece: part.stand_in(settings.fewest),
         forbidden: &samples,
@@ -163,9 +154,4 @@ fn halve(points: &[DVec3]) -> Plane {
     let size = hi - lo;
     let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
     Plane::axis_aligned(axis, 0.5 * (lo[axis] + hi[axis]))
-}
-
-/// The largest certified interval of several hulls.
-pub fn overall(hulls: &[Proved]) -> Interval {
-    hulls.iter().fold(Interval::exactly(0.0), |all, h| all.max(h.thickening))
 }

@@ -1,16 +1,16 @@
 //! From working hulls to the hulls that leave the engine: exact in the input's
 //! coordinates, with fewer vertices, proved again.
 
-use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, simplify_outward, simplify_within};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
-use crate::concavity::thickening::{decide, Decision};
-use crate::concavity::Limits;
+use crate::concavity::thickening::bounds;
+use crate::concavity::{Decision, Gap, Interval, Limits};
 use crate::error::DecomposeError;
-use crate::hierarchy::bracket;
+use crate::judge::Judge;
 use crate::merge::Proved;
+use crate::search::piece::Piece;
 use crate::working::Working;
 
 /// Hulls with fewer vertices gain nothing from simplification.
@@ -20,16 +20,16 @@ const FEW: usize = 8;
 pub struct Finish<'a> {
     /// Between the copies.
     pub working: &'a Working,
-    /// The solid, working copy.
-    pub solid: &'a SolidIndex,
-    /// The tolerance, working length.
-    pub epsilon: f64,
+    /// Who decides.
+    pub judge: Judge<'a>,
     /// How far simplification may reach outward, in ε; 0 for none.
     pub slim: f64,
+    /// How close the bounds are brought to one another.
+    pub gap: Gap,
+    /// Cells that each bound may cost beyond the proof.
+    pub cells: usize,
     /// Most vertices a hull may have; 0 for any number.
     pub most_vertices: usize,
-    /// Limits of proofs.
-    pub limits: &'a Limits<'a>,
 }
 
 impl Finish<'_> {
@@ -42,15 +42,33 @@ impl Finish<'_> {
     ///
     /// # Errors
     /// [`DecomposeError::Internal`] for a hull that has no volume.
-    pub fn run(&self, group: &Proved, parts: &[Vec<DVec3>]) -> Result<(Mesh, Proved), DecomposeError> {
+    pub fn run(
+        &self,
+        group: &Proved,
+        parts: &[Piece],
+    ) -> Result<(Mesh, Proved, Option<Interval>), DecomposeError> {
+        let (mesh, mut proved) = self.hull(group, parts)?;
+        let limits = Limits { cells: self.cells, ..*self.judge.limits };
+        let found = bounds(self.judge.solid, &proved.hull, self.gap, &limits);
+        proved.thickening = Interval {
+            lower: found.lower.max(proved.thickening.lower),
+            upper: found.upper.min(proved.thickening.upper),
+        };
+        let own: Vec<&Piece> = group.members.iter().map(|&m| &parts[m as usize]).collect();
+        let concavity = self.judge.concavity(&proved.hull, &own, self.gap, &limits);
+        Ok((mesh, proved, Some(concavity)))
+    }
+
+    /// The hull and its working copy, proved.
+    fn hull(&self, group: &Proved, parts: &[Piece]) -> Result<(Mesh, Proved), DecomposeError> {
         let internal = |e: &dyn std::fmt::Display| DecomposeError::Internal(e.to_string());
         let points: Vec<DVec3> = group
             .members
             .iter()
-            .flat_map(|&m| parts[m as usize].iter().map(|&p| self.working.input(p)))
+            .flat_map(|&m| parts[m as usize].points.iter().map(|&p| self.working.input(p)))
             .collect();
         let exact = convex_hull(&points).map_err(|e| internal(&e))?;
-        if let Some((mesh, proved)) = self.slimmed(&exact, group) {
+        if let Some((mesh, proved)) = self.slimmed(&exact, group, parts) {
             if self.most_vertices == 0 || mesh.vertices.len() <= self.most_vertices {
                 return Ok((mesh, proved));
             }
@@ -62,19 +80,20 @@ impl Finish<'_> {
         // A budget is met outwards whatever it costs; the bound tells the cost.
         let mesh = self.within_budget(exact)?;
         let hull = self.image(&mesh)?;
-        let thickening = bracket(self.solid, &hull, group.thickening.lower, 1.05, self.limits);
+        let thickening = bounds(self.judge.solid, &hull, self.gap, self.judge.limits);
         Ok((mesh, Proved { hull, thickening, members: group.members.clone() }))
     }
 
     /// The hull with fewer vertices, if one within ε is found.
-    fn slimmed(&self, exact: &Mesh, group: &Proved) -> Option<(Mesh, Proved)> {
-        let mut slim = self.slim * self.epsilon;
+    fn slimmed(&self, exact: &Mesh, group: &Proved, parts: &[Piece]) -> Option<(Mesh, Proved)> {
+        let own: Vec<&Piece> = group.members.iter().map(|&m| &parts[m as usize]).collect();
+        let mut slim = self.slim * self.judge.epsilon;
         let least = 0.1 * slim;
         while exact.vertices.len() > FEW && slim > 0.0 && slim >= least {
             let simple = simplify_within(exact, self.working.input_length(slim)).ok()?;
             if simple.vertices.len() < exact.vertices.len() {
                 let hull = self.image(&simple).ok()?;
-                if let Decision::Within(thickening) = decide(self.solid, &hull, self.epsilon, self.limits) {
+                if let Decision::Within(thickening) = self.judge.decide(&hull, &own) {
                     return Some((simple, Proved { hull, thickening, members: group.members.clone() }));
                 }
             }

@@ -13,15 +13,15 @@ use assetpipe_geometry::hull::convex_hull;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
-use crate::concavity::thickening::{decide, Decision};
-use crate::concavity::{Interval, Limits};
+use crate::concavity::thickening::bounds;
+use crate::concavity::{Gap, Interval, Limits};
 use crate::error::DecomposeError;
 use crate::finish::Finish;
 use crate::merge::Proved;
 
-/// Bounds of coarser levels are at most about this far apart: they are read,
-/// not searched with.
-const SLACK: f64 = 1.15;
+/// How close the bounds of coarser levels are brought to one another: they are
+/// read, not searched with.
+const COARSE: Gap = Gap { relative: 0.1, absolute: 1e-4 };
 
 /// A node: a leaf, or the hull of two earlier nodes.
 #[derive(Clone, Debug)]
@@ -30,6 +30,8 @@ pub struct Node {
     pub mesh: Mesh,
     /// Its working copy with the bound.
     pub proved: Proved,
+    /// Its concavity towards its part, for leaves.
+    pub concavity: Option<Interval>,
     /// Indices of the two nodes it replaces.
     pub children: Option<[u32; 2]>,
 }
@@ -38,18 +40,21 @@ pub struct Node {
 ///
 /// # Errors
 /// [`DecomposeError::Internal`] for hulls without volume.
-pub fn build(finish: &Finish<'_>, leaves: Vec<(Mesh, Proved)>) -> Result<Vec<Node>, DecomposeError> {
+pub fn build(finish: &Finish<'_>, leaves: Vec<(Mesh, Proved, Option<Interval>)>) -> Result<Vec<Node>, DecomposeError> {
     let mut nodes: Vec<Node> =
-        leaves.into_iter().map(|(mesh, proved)| Node { mesh, proved, children: None }).collect();
+        leaves
+        .into_iter()
+        .map(|(mesh, proved, concavity)| Node { mesh, proved, concavity, children: None })
+        .collect();
     let mut open: Vec<bool> = vec![true; nodes.len()];
     let mut queue: BinaryHeap<Reverse<(u64, u32, u32)>> = BinaryHeap::new();
     for i in 0..nodes.len() {
         for j in i + 1..nodes.len() {
-            offer(finish.solid, &nodes, i, j, &mut queue);
+            offer(finish.judge.solid, &nodes, i, j, &mut queue);
         }
     }
     while let Some(Reverse((bits, i, j))) = queue.pop() {
-        if (finish.limits.cancelled)() {
+        if (finish.judge.limits.cancelled)() {
             return Err(DecomposeError::Cancelled);
         }
         if !open[i as usize] || !open[j as usize] {
@@ -63,7 +68,7 @@ pub fn build(finish: &Finish<'_>, leaves: Vec<(Mesh, Proved)>) -> Result<Vec<Nod
         let new = nodes.len() - 1;
         for other in 0..new {
             if open[other] {
-                offer(finish.solid, &nodes, other, new, &mut queue);
+                offer(finish.judge.solid, &nodes, other, new, &mut queue);
             }
         }
     }
@@ -98,26 +103,10 @@ fn join(finish: &Finish<'_>, nodes: &[Node], children: [u32; 2], estimate: f64) 
     let mesh = finish.within_budget(convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))?)?;
     let hull = finish.image(&mesh)?;
     let known = estimate.max(a.proved.thickening.lower).max(b.proved.thickening.lower);
-    let thickening = bracket(finish.solid, &hull, known, SLACK, finish.limits);
+    let limits = Limits { cells: finish.cells, ..*finish.judge.limits };
+    let found = bounds(finish.judge.solid, &hull, COARSE, &limits);
+    let thickening = Interval { lower: found.lower.max(known).min(found.upper), upper: found.upper };
     let mut members: Vec<u32> = a.proved.members.iter().chain(&b.proved.members).copied().collect();
     members.sort_unstable();
-    Ok(Node { mesh, proved: Proved { hull, thickening, members }, children: Some(children) })
-}
-
-/// Certified bounds of a hull's thickening whose upper end is at most about
-/// `slack` times the lower; `known` is a lower bound to start from.
-pub fn bracket(solid: &SolidIndex, hull: &Mesh, known: f64, slack: f64, limits: &Limits<'_>) -> Interval {
-    let mut lower = known;
-    let mut epsilon = lower.max(1e-6) * slack;
-    loop {
-        match decide(solid, hull, epsilon, limits) {
-            Decision::Within(found) | Decision::Unproven(found) => {
-                return Interval { lower: lower.max(found.lower).min(found.upper), upper: found.upper };
-            }
-            Decision::Beyond { lower: found, .. } => {
-                lower = lower.max(found);
-                epsilon = epsilon.max(lower) * slack;
-            }
-        }
-    }
+    Ok(Node { mesh, proved: Proved { hull, thickening, members }, concavity: None, children: Some(children) })
 }

@@ -1,6 +1,7 @@
 //! Collision-aware approximate convex decomposition of solids.
 
 pub mod candidates;
+pub mod close;
 pub mod concavity;
 pub mod control;
 pub mod convex;
@@ -10,6 +11,7 @@ pub mod error;
 pub mod finish;
 pub mod forbidden;
 pub mod hierarchy;
+pub mod judge;
 pub mod merge;
 pub mod part;
 pub mod proxy;

@@ -3,14 +3,14 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::convex_hull;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
-use crate::concavity::thickening::{decide, Decision};
-use crate::concavity::{Interval, Limits};
-use crate::settings::MergeOrder;
+use crate::concavity::{Decision, Interval};
+use crate::judge::Judge;
+use crate::search::piece::Piece;
+use crate::settings::{MergeOrder, Metric};
 
 /// A hull with what is proved about it.
 #[derive(Clone, Debug)]
@@ -56,13 +56,13 @@ pub fn half_spaces(hull: &Mesh) -> Vec<(DVec3, f64)> {
 /// proved to stay within ε. `witnesses` are known points farther than ε from
 /// the solid: a hull that holds one needs no proof to be refused.
 pub fn merge(
-    solid: &SolidIndex,
+    judge: &Judge<'_>,
     parts: Vec<Proved>,
-    epsilon: f64,
+    pieces: &[Piece],
     order: MergeOrder,
     witnesses: &mut Vec<DVec3>,
-    limits: &Limits<'_>,
 ) -> Vec<Proved> {
+    let epsilon = judge.epsilon;
     let mut slots: Vec<Option<Proved>> = parts.into_iter().map(Some).collect();
     let mut volumes: Vec<f64> = slots.iter().flatten().map(|p| volume(&p.hull)).collect();
     let mut boxes: Vec<(DVec3, DVec3)> = slots.iter().flatten().map(|p| bounds(&p.hull)).collect();
@@ -97,7 +97,7 @@ pub fn merge(
         }
     }
     while let Some(Reverse((_, i, j))) = queue.pop() {
-        if (limits.cancelled)() {
+        if (judge.limits.cancelled)() {
             break;
         }
         let (i, j) = (i as usize, j as usize);
@@ -106,11 +106,11 @@ pub fn merge(
         if holds_any(&hull, witnesses) {
             continue;
         }
-        match decide(solid, &hull, epsilon, limits) {
+        let mut members: Vec<u32> = a.members.iter().chain(&b.members).copied().collect();
+        members.sort_unstable();
+        let own: Vec<&Piece> = members.iter().map(|&m| &pieces[m as usize]).collect();
+        match judge.decide(&hull, &own) {
             Decision::Within(thickening) => {
-                let mut members = a.members.clone();
-                members.extend(&b.members);
-                members.sort_unstable();
                 slots[i] = None;
                 slots[j] = None;
                 volumes.push(volume(&hull));
@@ -121,8 +121,8 @@ pub fn merge(
                     candidate(other, new, &slots, &volumes, &boxes, witnesses, &mut queue);
                 }
             }
-            Decision::Beyond { witness, .. } => witnesses.push(witness),
-            Decision::Unproven(_) => {}
+            Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => witnesses.push(witness),
+            Decision::Beyond { .. } | Decision::Unproven(_) => {}
         }
     }
     slots.into_iter().flatten().collect()

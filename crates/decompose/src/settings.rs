@@ -52,6 +52,8 @@ pub enum FrameChoice {
 /// Parameters of the search. Lengths are in units of ε unless said otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchSettings {
+    /// What is held below the tolerance.
+    pub metric: Metric,
     /// Which policy.
     pub policy: Policy,
     /// Planes an axis for the first cut (m in the paper).
@@ -90,6 +92,10 @@ pub struct SearchSettings {
     pub frame: FrameChoice,
     /// How far hulls may reach outward to have fewer vertices.
     pub slim: f64,
+    /// How far apart the ends of a certificate may be, as a share of the lower.
+    pub gap: f64,
+    /// Cells that each bound of a certificate may cost beyond the proof.
+    pub cells: usize,
     /// Most vertices a hull may have; 0 for any number.
     pub most_vertices: usize,
     /// Whether hulls are merged at the end.
@@ -107,6 +113,7 @@ pub struct SearchSettings {
 impl Default for SearchSettings {
     fn default() -> Self {
         SearchSettings {
+            metric: Metric::Thickening,
             policy: Policy::Lookahead,
             planes: 20,
             expand: 14,
@@ -126,6 +133,8 @@ impl Default for SearchSettings {
             second_faces: 6,
             frame: FrameChoice::Faces,
             slim: 0.1,
+            gap: 0.05,
+            cells: 1000,
             most_vertices: 0,
             merging: true,
             merge_order: MergeOrder::Relative,
@@ -149,6 +158,14 @@ impl SearchSettings {
             known.ok_or_else(|| format!("parameter '{name}': '{value}' is none of {all}"))
         }
         match name {
+            "metric" => {
+                let known = match value {
+                    "thickening" => Some(Metric::Thickening),
+                    "concavity" => Some(Metric::Concavity),
+                    _ => None,
+                };
+                self.metric = choice(name, value, known, "thickening, concavity")?;
+            }
             "policy" => {
                 let known = match value {
                     "greedy" => Some(Policy::Greedy),
@@ -179,6 +196,8 @@ impl SearchSettings {
                 };
                 self.merge_order = choice(name, value, known, "added, relative, smallest")?;
             }
+            "cells" => self.cells = number(name, value)?,
+            "gap" => self.gap = number(name, value)?,
             "slim" => self.slim = number(name, value)?,
             "merging" => {
                 let known = match value {

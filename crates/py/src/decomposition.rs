@@ -1,8 +1,8 @@
 //! `decompose`, `thickening`, `convex_hull`.
 
-use assetpipe_decompose::concavity::{Interval, Limits};
+use assetpipe_decompose::concavity::thickening::bounds;
+use assetpipe_decompose::concavity::{Gap, Interval, Limits};
 use assetpipe_decompose::decomposition::{self as core, Decomposition};
-use assetpipe_decompose::hierarchy::bracket;
 use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::distance::SolidIndex;
 use numpy::{PyArray2, PyReadonlyArray2};
@@ -90,7 +90,8 @@ pub fn thickening<'py>(
         let cancelled = || control.is_cancelled();
         let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
         let index = SolidIndex::new(&solid);
-        meshes.iter().map(|hull| pair(bracket(&index, hull, 0.0, 1.01, &limits))).collect::<Vec<_>>()
+        let gap = Gap { relative: 0.005, absolute: 1e-9 * index.bvh().bounds().diagonal() };
+        meshes.iter().map(|hull| pair(bounds(&index, hull, gap, &limits))).collect::<Vec<_>>()
     })?;
     Ok(result)
 }

@@ -1,0 +1,150 @@
+//! Pieces as closed meshes: caps triangulated, caps between pieces dissolved.
+//!
+//! Only metrics that look at the part itself need this; the search and the
+//! thickening towards the whole solid do without.
+
+use assetpipe_geometry::planar::{fill, Edge};
+use assetpipe_geometry::{Mesh, Plane};
+use glam::{DVec2, DVec3};
+
+use crate::search::piece::Piece;
+
+/// Bits by which points are the same.
+fn key(p: DVec3) -> [u64; 3] {
+    (p + DVec3::ZERO).to_array().map(f64::to_bits)
+}
+
+/// One of a plane and its flipped twin.
+fn canonical(plane: &Plane) -> Plane {
+    let n = plane.normal;
+    let first = [n.x, n.y, n.z].into_iter().find(|x| *x != 0.0).unwrap_or(1.0);
+    if first < 0.0 {
+        plane.flipped()
+    } else {
+        *plane
+    }
+}
+
+/// The closed surface of a union of pieces of one solid.
+///
+/// Where two pieces meet at a cut their caps bound the same region in opposite
+/// senses; the sum of both borders is the border of what is left open.
+pub fn close(pieces: &[&Piece]) -> Mesh {
+    // One index for each distinct position.
+    let mut positions: Vec<([u64; 3], DVec3)> =
+        pieces.iter().flat_map(|p| p.points.iter().map(|&x| (key(x), x + DVec3::ZERO))).collect();
+    positions.sort_by(|a, b| a.0.cmp(&b.0));
+    positions.dedup_by(|a, b| a.0 == b.0);
+    let index = |p: DVec3| positions.binary_search_by(|x| x.0.cmp(&key(p))).unwrap_or(0) as u32;
+    let mut mesh = Mesh { vertices: positions.iter().map(|p| p.1).collect(), triangles: Vec::new() };
+
+    // (plane, start, end) of every border segment.
+    let mut borders: Vec<(Plane, u32, u32)> = Vec::new();
+    for piece in pieces {
+        let to: Vec<u32> = piece.points.iter().map(|&p| index(p)).collect();
+        mesh.triangles.extend(piece.triangles.iter().map(|t| t.map(|v| to[v as usize])));
+        for cap in &piece.caps {
+            let plane = canonical(&cap.plane);
+            borders.extend(cap.border.iter().map(|s| (plane, to[s[0] as usize], to[s[1] as usize])));
+        }
+    }
+    let bits = |p: &Plane| (key(p.normal), (p.offset + 0.0).to_bits());
+    borders.sort_by(|a, b| bits(&a.0).cmp(&bits(&b.0)).then((a.1, a.2).cmp(&(b.1, b.2))));
+    for run in borders.chunk_by(|a, b| bits(&a.0) == bits(&b.0)) {
+        cap(&mut mesh, &run[0].0, run);
+    }
+    mesh.triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+    mesh
+}
+
+/// Fill what the border segments on one plane bound.
+fn cap(mesh: &mut Mesh, plane: &Plane, borders: &[(Plane, u32, u32)]) {
+    let mut net: Vec<(u32, u32, i32)> = borders
+        .iter()
+        .filter(|b| b.1 != b.2)
+        .map(|&(_, a, b)| if a < b { (a, b, 1) } else { (b, a, -1) })
+        .collect();
+    net.sort_unstable();
+    let mut used: Vec<u32> = Vec::new();
+    let mut edges: Vec<(u32, u32, i32)> = Vec::new();
+    for run in net.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+        let times: i32 = run.iter().map(|e| e.2).sum();
+        if times != 0 {
+            edges.push((run[0].0, run[0].1, times));
+            used.extend([run[0].0, run[0].1]);
+        }
+    }
+    used.sort_unstable();
+    used.dedup();
+    // Project along the normal's largest component; counter-clockwise stays so.
+    let size = plane.normal.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
+    if plane.normal[axis] < 0.0 {
+        std::mem::swap(&mut u, &mut v);
+    }
+    let flat: Vec<DVec2> = used
+        .iter()
+        .map(|&i| {
+            let p = mesh.vertices[i as usize];
+            DVec2::new(p[u], p[v])
+        })
+        .collect();
+    let place = |i: u32| used.binary_search(&i).unwrap_or(0) as u32;
+    let edges: Vec<Edge> = edges.iter().map(|&(a, b, n)| (place(a), place(b), n)).collect();
+    let filling = fill(&flat, &edges);
+    let mut to = used;
+    for p in filling.crossings {
+        let mut x = DVec3::ZERO;
+        x[u] = p.x;
+        x[v] = p.y;
+        x[axis] = (plane.offset - plane.normal[u] * p.x - plane.normal[v] * p.y) / plane.normal[axis];
+        to.push(mesh.vertices.len() as u32);
+        mesh.vertices.push(x);
+    }
+    mesh.triangles.extend(filling.triangles.iter().map(|t| t.map(|i| to[i as usize])));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::convex::check_closed;
+    use crate::merge::volume;
+    use assetpipe_geometry::hull::convex_hull;
+
+    fn cube() -> Piece {
+        let corners: Vec<DVec3> =
+            (0..8u32).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))).collect();
+        Piece::from(&convex_hull(&corners).unwrap())
+    }
+
+    #[test]
+    fn halves_close_and_their_union_loses_the_cut() {
+        let (low, high) = cube().split(Plane::axis_aligned(2, 0.25));
+        for (half, share) in [(&low, 0.25), (&high, 0.75)] {
+            let mesh = close(&[half]);
+            assert!(check_closed(&mesh).is_ok());
+            assert!((volume(&mesh) - share).abs() < 1e-12);
+        }
+        let whole = close(&[&low, &high]);
+        assert!(check_closed(&whole).is_ok());
+        assert!((volume(&whole) - 1.0).abs() < 1e-12);
+        assert!(whole.triangles.iter().all(|t| t.iter().any(|&v| whole.vertices[v as usize].z != 0.25)));
+    }
+
+    #[test]
+    fn a_quarter_missing_leaves_its_two_walls() {
+        let (low, high) = cube().split(Plane::axis_aligned(2, 0.5));
+        let (a, b) = high.split(Plane::axis_aligned(0, 0.5));
+        let most = close(&[&low, &a]);
+        assert!((volume(&most) - 0.75).abs() < 1e-12);
+        let all = close(&[&low, &a, &b]);
+        assert!((volume(&all) - 1.0).abs() < 1e-12);
+    }
+}
