@@ -217,7 +217,10 @@ def growth() -> None:
     print("\n| measure | shape | time ~ (n·r)^k, n from 1,000 to 32,000, τ = 0 |")
     print("|---|---|---|")
     for measure in ("sl", "sp"):
-        for name, make in (("creature", lambda n: creature(7, n, 3)), ("maze", lambda n: maze(n // 5))):
+        for name, make in (
+            ("creature", lambda n: creature(7, n, 3)),
+            ("maze", lambda n: maze(n // 5)),
+        ):
             sizes, times = [], []
             for n in (1000, 2000, 4000, 8000, 16000, 32000):
                 ring = make(n)

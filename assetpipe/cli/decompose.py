@@ -26,18 +26,24 @@ from assetpipe.cli.options import JsonCommand
 def command(mesh: Path, out: Path, **given: Any) -> int:
     """Decompose one mesh into convex hulls, one OBJ file each.
 
+    Outlines (.geojson, .csv, .svg) become nearly convex polygons in parts.geojson.
+
     Unlike build, sealed voids are kept unless --cavities fill is given.
 
     \b
     assetpipe decompose bracket.stl -o hulls/ --tolerance 2mm
     assetpipe decompose bracket.stl -o hulls/ --json
     """
+    from assetpipe.cli.outlines import decompose_outlines
     from assetpipe.cli.progress import progress_bar
     from assetpipe.cli.reports import deliver
     from assetpipe.errors import UsageError
     from assetpipe.pipeline.build import build_all
     from assetpipe.pipeline.inputs import MESH_SUFFIXES
+    from assetpipe.polygon.files import SUFFIXES as OUTLINE_SUFFIXES
 
+    if mesh.suffix.lower() in OUTLINE_SUFFIXES:
+        return decompose_outlines(mesh, out, given)
     if mesh.suffix.lower() not in MESH_SUFFIXES:
         raise UsageError(
             f"'{mesh}' is no mesh that can be read; known are {', '.join(MESH_SUFFIXES)} "

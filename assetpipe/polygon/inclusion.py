@@ -124,7 +124,6 @@ def _discrete(region: Any, pixels: int) -> Any:
 def _hv(region: Any, pixels: int) -> Any:
     shapely = load_shapely()
     x, y, side = _grid(region, pixels)
-    grid_x, grid_y = np.meshgrid(x, y)
     # edges are shared to the bit between neighbours, so that the union has no cracks
     left, low = x[0] - side / 2, y[0] - side / 2
     at_x = left + side * np.arange(len(x) + 1)

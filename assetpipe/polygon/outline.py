@@ -13,7 +13,9 @@ from assetpipe.errors import UsageError
 if TYPE_CHECKING:
     import shapely
 
-Outline: TypeAlias = "shapely.Polygon | shapely.MultiPolygon | ArrayLike | tuple[ArrayLike, Sequence[ArrayLike]]"
+Outline: TypeAlias = (
+    "shapely.Polygon | shapely.MultiPolygon | ArrayLike | tuple[ArrayLike, Sequence[ArrayLike]]"
+)
 """A shapely polygon, an (n, 2) array, or ``(outer, [hole, …])`` arrays. A point belongs to it
 when an odd number of rings goes around it."""
 
@@ -25,8 +27,8 @@ def load_shapely() -> Any:
         UsageError: it is not installed; it comes with the extra ``polygon``.
     """
     try:
-        import shapely  # noqa: PLC0415
-        import shapely.affinity  # noqa: PLC0415
+        import shapely
+        import shapely.affinity
     except ImportError as error:
         raise UsageError(
             "polygons need shapely, which is not installed: pip install 'assetpipe[polygon]'"
@@ -42,6 +44,8 @@ def as_rings(outline: Outline) -> list[NDArray[np.float64]]:
     """
     if hasattr(outline, "geom_type"):
         return _shapely_rings(outline)
+    if isinstance(outline, list) and outline and all(np.ndim(r) == 2 for r in outline):
+        return [_ring(ring) for ring in outline]
     if (
         isinstance(outline, tuple)
         and len(outline) == 2

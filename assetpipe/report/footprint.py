@@ -37,10 +37,7 @@ def nav2(footprint: Footprint) -> str:
     points = ", ".join(f"[{x:.4f}, {y:.4f}]" for x, y in footprint.ring)
     text = "# around everything the robot covers, in the frame of its root link, metres\n"
     for costmap in ("local_costmap", "global_costmap"):
-        text += (
-            f"{costmap}:\n  {costmap}:\n    ros__parameters:\n"
-            f'      footprint: "[{points}]"\n'
-        )
+        text += f'{costmap}:\n  {costmap}:\n    ros__parameters:\n      footprint: "[{points}]"\n'
     return text
 
 
@@ -75,7 +72,7 @@ def can_draw() -> bool:
 
 def write_picture(path: Path, footprint: Footprint) -> None:
     """The same as a PNG."""
-    from matplotlib.figure import Figure  # noqa: PLC0415
+    from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6, 6), dpi=120, layout="constrained")
     axes = figure.add_subplot()

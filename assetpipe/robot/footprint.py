@@ -145,7 +145,8 @@ def _union(pieces: Sequence[Any]) -> Any:
     grid = _SNAP * max(x1 - x0, y1 - y0)
     if not grid > 0.0:
         raise InputError("the projected shapes have no area")
-    joined = shapely.union_all(shapely.set_precision(shapes, grid), grid_size=grid)
+    snapped = shapely.transform(shapes, lambda points: np.round(points / grid) * grid)
+    joined = shapely.union_all(snapped[shapely.area(snapped) > 0.0])
     # closing gaps of the snapping, and covering what it may have cut off
     grown = joined.buffer(2 * grid, join_style="mitre")
     polygons = [g for g in getattr(grown, "geoms", [grown]) if g.geom_type == "Polygon"]
@@ -197,10 +198,12 @@ def _disc(centre: FloatArray, radius: float) -> Any:
 def _corners(shape: Box | Cylinder) -> FloatArray:
     signs = np.array(list(product((-0.5, 0.5), repeat=3)))
     if isinstance(shape, Box):
-        return signs * np.asarray(shape.size)
+        return np.asarray(signs * np.asarray(shape.size), dtype=np.float64)
     angle = np.arange(_ROUND) * 2 * np.pi / _ROUND
     rim = shape.radius / np.cos(np.pi / _ROUND) * np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.vstack([np.column_stack([rim, np.full(_ROUND, z * shape.length)]) for z in (-0.5, 0.5)])
+    return np.vstack(
+        [np.column_stack([rim, np.full(_ROUND, z * shape.length)]) for z in (-0.5, 0.5)]
+    )
 
 
 def _triangles(corners: FloatArray) -> list[Any]:

@@ -1,5 +1,10 @@
 //! Decomposition on shapes that have broken it, and on those that might.
 
+// coordinates as they were found; a test may fail by panic
+#![allow(clippy::unreadable_literal, clippy::unwrap_used)]
+
+use std::slice::from_ref;
+
 use assetpipe_polygon::{
     convex_hull, decompose, orient, signed_area, DiagonalWeights, Hierarchy, HoleAxis, Measure,
     OutlineError, Parameters, Part, Point,
@@ -74,7 +79,7 @@ fn pocket_behind_the_far_end() {
         (2.5281451418045964, -6.279257032520091),
     ]);
     for measure in MEASURES {
-        assert!(run(&[outline.clone()], measure, 0.0)
+        assert!(run(from_ref(&outline), measure, 0.0)
             .at(0.0)
             .iter()
             .all(is_convex));
@@ -87,63 +92,49 @@ fn theorem_6_4_zero_tolerance_is_exactly_convex() {
     for outline in [comb(50), spiral(200)] {
         let exact = signed_area(&outline);
         for measure in MEASURES {
-            let levels = run(&[outline.clone()], measure, 0.0);
+            let levels = run(from_ref(&outline), measure, 0.0);
             let parts = levels.at(0.0);
             assert!(parts.iter().all(is_convex));
             assert!((area(&parts) - exact).abs() <= 1e-12 * exact);
-            assert_eq!(
-                Hierarchy::convexity(&parts),
-                1.0_f64.min(Hierarchy::convexity(&parts))
-            );
+            assert!((Hierarchy::convexity(&parts) - 1.0).abs() <= 1e-12);
         }
     }
 }
 
-/// Figure 7: with straight lines a feature may be under-measured until a cut
+/// Figure 7: with straight lines a notch may be under-measured until a cut
 /// uncovers it; shortest paths never grow (Lemma 5.3).
 #[test]
 fn figure_7_straight_lines_grow_and_shortest_paths_do_not() {
-    // a pocket whose far end bends back under the boundary: s is near the
-    // bridge in a straight line, far from it on foot
-    let outline = ring(&[
+    // a corridor goes down, right, up and back left, under the boundary
+    let corridor = ring(&[
+        (0.0, 8.0),
         (0.0, 0.0),
-        (10.0, 0.0),
-        (10.0, 10.0),
-        (6.0, 10.0),
-        (6.0, 3.0),
-        (9.0, 3.0),
-        (9.0, 9.0),
-        (9.5, 9.0),
-        (9.5, 2.0),
-        (5.0, 2.0),
-        (5.0, 10.0),
-        (0.0, 10.0),
+        (13.0, 0.0),
+        (13.0, 8.0),
+        (2.4, 8.0),
+        (2.4, 2.4),
+        (9.6, 2.4),
+        (9.6, 2.6),
+        (3.6, 2.6),
+        (3.6, 3.4),
+        (10.4, 3.4),
+        (10.4, 1.6),
+        (1.6, 1.6),
+        (1.6, 8.0),
     ]);
-    let grows = |measure| {
-        let levels = run(&[outline.clone()], measure, 0.0);
-        levels
-            .descents()
+    let growth = |measure| {
+        let descents = run(from_ref(&corridor), measure, 0.0).descents();
+        descents
             .iter()
-            .any(|&(after, before)| after > before * (1.0 + 1e-9))
+            .map(|&(after, before)| after / before)
+            .fold(0.0, f64::max)
     };
-    let measured = |measure| run(&[outline.clone()], measure, f64::MAX).at(f64::MAX)[0].concavity;
+    assert!(growth(Measure::StraightLine) > 2.0);
+    assert!(growth(Measure::ShortestPath) <= 1.0 + 1e-12);
+    assert!(growth(Measure::Hybrid1) <= 1.0 + 1e-12);
+    let measured = |measure| run(from_ref(&corridor), measure, f64::MAX).at(f64::MAX)[0].concavity;
     assert!(measured(Measure::ShortestPath) > 1.8 * measured(Measure::StraightLine));
-    assert!(!grows(Measure::ShortestPath));
-    assert!(!grows(Measure::Hybrid1));
-    for spiral in [spiral(60), outline.clone()] {
-        for measure in [Measure::ShortestPath, Measure::Hybrid1] {
-            let levels = run(&[spiral.clone()], measure, 0.0);
-            assert!(levels
-                .descents()
-                .iter()
-                .all(|&(after, before)| after <= before * (1.0 + 1e-9)));
-        }
-    }
-    let windings = run(&[spiral(60)], Measure::StraightLine, 0.0);
-    assert!(windings
-        .descents()
-        .iter()
-        .any(|&(after, before)| after > before));
+    assert_eq!(measured(Measure::ShortestPath), measured(Measure::Hybrid1));
 }
 
 #[test]

@@ -179,7 +179,9 @@ def brute_hv(shape):
     for mask in range(1, 1 << count):
         chosen = np.isin(labels, [k + 1 for k in range(count) if mask >> k & 1])
         lines = [*chosen, *chosen.T]
-        convex = all(np.count_nonzero(np.diff(np.r_[0, line, 0].astype(int)) == 1) <= 1 for line in lines)
+        convex = all(
+            np.count_nonzero(np.diff(np.r_[0, line, 0].astype(int)) == 1) <= 1 for line in lines
+        )
         if convex and chosen.sum() > best:
             cells = [shapely.box(x, y, x + 1, y + 1) for y, x in np.argwhere(chosen)]
             if shapely.union_all(cells).buffer(-0.1).geom_type == "Polygon":

@@ -174,21 +174,22 @@ fn crossing_edges(arrangement: &Arrangement, boundary: &Boundary, ring_of: &[u32
     found
 }
 
+fn group_of(group: &mut [usize], mut k: usize) -> usize {
+    while group[k] != k {
+        group[k] = group[group[k]];
+        k = group[k];
+    }
+    k
+}
+
 /// Per hole, the link towards the outer boundary in the tree that takes the
 /// given links in order (Kruskal).
 fn spanning_tree(holes: usize, links: &[Link], ring_of: &[u32]) -> Vec<Link> {
     let mut group: Vec<usize> = (0..=holes).collect();
-    fn root(group: &mut [usize], mut k: usize) -> usize {
-        while group[k] != k {
-            group[k] = group[group[k]];
-            k = group[k];
-        }
-        k
-    }
     let mut adjacent: Vec<Vec<Link>> = vec![Vec::new(); holes + 1];
     for link in links {
         let ends = [link.from, link.to].map(|c| ring_of[c as usize] as usize);
-        let [a, b] = ends.map(|k| root(&mut group, k));
+        let [a, b] = ends.map(|k| group_of(&mut group, k));
         if a != b {
             group[a] = b;
             adjacent[ends[0]].push(*link);

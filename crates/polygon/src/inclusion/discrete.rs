@@ -24,11 +24,7 @@ pub enum Connectivity {
 impl Pixels {
     /// Number of rows.
     pub fn height(&self) -> usize {
-        if self.width == 0 {
-            0
-        } else {
-            self.inside.len() / self.width
-        }
+        self.inside.len().checked_div(self.width).unwrap_or(0)
     }
 
     /// Number of pixels in the shape.

@@ -159,7 +159,9 @@ fn rows_apart(piece: &Pixels, labels: &mut [u32], mut count: u32) -> u32 {
         let row: Vec<usize> = (0..piece.width).map(|x| y * piece.width + x).collect();
         for run in runs(piece, &row) {
             count += 1;
-            run.iter().for_each(|&k| labels[k] = count);
+            for &k in run {
+                labels[k] = count;
+            }
         }
     }
     count
@@ -311,9 +313,9 @@ impl Search<'_> {
         let mut stack = set.to_vec();
         let mut area = 0;
         while let Some(a) = stack.pop() {
-            for b in 0..n {
-                if self.regions.adjacent[a][b] && !joined[b] && open(b) {
-                    joined[b] = true;
+            for (b, joined) in joined.iter_mut().enumerate() {
+                if self.regions.adjacent[a][b] && !*joined && open(b) {
+                    *joined = true;
                     area += self.regions.areas[b];
                     stack.push(b);
                 }
