@@ -108,8 +108,8 @@ def _discrete(region: Any, pixels: int) -> Any:
     inside = np.ascontiguousarray(shapely.contains_xy(region, grid_x, grid_y), dtype=bool)
     if not inside.any():
         return None
-    found = _core.convex_pixels(inside, 8)
-    centres = np.column_stack([grid_x[found], grid_y[found]])
+    kept = _core.convex_pixels(inside, 8)
+    centres = np.column_stack([grid_x[kept], grid_y[kept]])
     hull = shapely.MultiPoint(centres).convex_hull
     if hull.geom_type != "Polygon":
         return None
@@ -118,7 +118,10 @@ def _discrete(region: Any, pixels: int) -> Any:
     # between the centres the outline may dip into the hull by less than a pixel
     common = region.intersection(hull)
     pieces = [g for g in getattr(common, "geoms", [common]) if g.geom_type == "Polygon"]
-    return largest_convex_subset(max(pieces, key=lambda piece: piece.area)) if pieces else None
+    if not pieces:
+        return None
+    found = largest_convex_subset(max(pieces, key=lambda piece: piece.area))
+    return _settled(region, np.array(found.exterior.coords[:-1]))
 
 
 def _hv(region: Any, pixels: int) -> Any:

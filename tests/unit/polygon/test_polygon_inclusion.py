@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from assetpipe import _core, polygon
@@ -96,6 +96,7 @@ def test_kernel_and_distances_to_it(seed, vertices):
 
 
 @settings(max_examples=40, deadline=None)
+@example(211, 6, False)  # the cut outline's own rounding stuck out of the outline
 @given(st.integers(0, 10**6), st.integers(3, 60), st.booleans())
 def test_every_result_is_convex_and_inside(seed, vertices, pierced):
     outline = shapely.Polygon(star(seed, vertices, inner=0.3))
