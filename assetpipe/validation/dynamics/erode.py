@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
 from assetpipe.validation.contact.surface import facet_planes
 from assetpipe.validation.profiles import insphere
+from assetpipe.validation.shape_key import ByContent
 
 LEAST_RADIUS = 0.2
 """Share of a hull's in-sphere radius that erosion leaves at least."""
@@ -24,8 +27,14 @@ def eroded(hull: Mesh, margin: float) -> Mesh:
         hull: convex; a mesh that is not is treated as its convex hull, as engines do.
         margin: metres.
     """
+    return _eroded(ByContent(hull), margin)
+
+
+@lru_cache(maxsize=1024)
+def _eroded(key: ByContent, margin: float) -> Mesh:
     from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
+    hull = key.mesh
     points: FloatArray = hull.vertices
     try:
         outer = ConvexHull(points)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from assetpipe.validation.effects.plan import Ref
 from assetpipe.validation.profiles import insphere_radius
 from assetpipe.validation.scenes.assets import SceneAsset, SceneJoint
 from assetpipe.validation.scenes.schema import Scene
+from assetpipe.validation.shape_key import ByContent
 
 REST = 1.0
 """Seconds that a scene lasts when neither it nor its drive says."""
@@ -290,10 +291,6 @@ class Motion:
         every = np.vstack(boxes)
         return Region(every.min(axis=0), every.max(axis=0))
 
-    @cached_property
-    def _inspheres(self) -> dict[str, float]:
-        return {}
-
     # -- shapes ---------------------------------------------------------------
 
     def thinnest(self, refs: set[Ref]) -> tuple[float, Ref] | None:
@@ -305,10 +302,7 @@ class Motion:
         found: list[tuple[float, Ref]] = []
         for ref in sorted(refs):
             for shape in self.assets[ref[0]].link[ref[1]].shapes:
-                key = shape.digest
-                if key not in self._inspheres:
-                    self._inspheres[key] = insphere_radius(shape)
-                found.append((2.0 * self._inspheres[key], ref))
+                found.append((2.0 * _radius(ByContent(shape)), ref))
         return min(found) if found else None
 
     def parts(self, reference: str) -> tuple[Ref, ...]:
@@ -324,3 +318,9 @@ class Motion:
         if link not in asset.link:
             raise ConfigError(f"asset '{name}': " + unknown_name("link", link, asset.link))
         return ((name, link),)
+
+
+@lru_cache(maxsize=4096)
+def _radius(shape: ByContent) -> float:
+    """In-sphere radius; plans of one scene ask for the same hulls again and again."""
+    return insphere_radius(shape.mesh)
