@@ -32,9 +32,9 @@ Source = "Mesh | trimesh.Trimesh | tuple[Any, Any]"
 OnProgress = Callable[[float], object]
 
 _SETTINGS: dict[Effort, dict[str, str | float]] = {
-    "fast": {"policy": "greedy"},
+    "fast": {"expand": 6, "quota": 2, "planes": 14, "second": 6, "samples": 1000},
     "balanced": {},
-    "best": {"planes": 30, "expand": 40, "second": 16},
+    "best": {"variants": 6, "expand": 18, "gap": 0.005, "cells": 20000},
 }
 
 

@@ -10,7 +10,7 @@ use crate::candidates::frame;
 use crate::concavity::{Gap, Interval, Limits};
 use crate::control::Control;
 use crate::convex::{check_closed, is_convex};
-use crate::engine::decompose_working;
+use crate::engine::{decompose_working, Cover};
 use crate::error::DecomposeError;
 use crate::finish::Finish;
 use crate::hierarchy::{build, Node};
@@ -104,7 +104,7 @@ fn concave(
         return Err(DecomposeError::Tolerance { epsilon });
     }
     let judge = Judge { solid: &solid, metric: settings.metric, epsilon: target, limits: &limits };
-    let cover = decompose_working(&copy, &judge, settings, control)?;
+    let cover = fewest(&copy, &judge, settings, control)?;
     let finish =
         Finish {
         working: &working,
@@ -129,6 +129,26 @@ fn concave(
     let hulls = nodes.into_iter().map(|node| output(&working, node)).collect();
     control.report(1.0);
     Ok(Decomposition { hulls, leaves })
+}
+
+/// The cover with the fewest hulls of all variants, of these the tightest.
+fn fewest(
+    copy: &Mesh,
+    judge: &Judge<'_>,
+    settings: &SearchSettings,
+    control: &Control,
+) -> Result<Cover, DecomposeError> {
+    let covers: Vec<Cover> = (0..settings.variants.max(1))
+        .into_par_iter()
+        .map(|k| decompose_working(copy, judge, &settings.variant(k), control))
+        .collect::<Result<_, _>>()?;
+    let size = |cover: &Cover| cover.hulls.iter().map(|h| volume(&h.hull)).sum::<f64>();
+    covers
+        .into_iter()
+        .map(|cover| (cover.hulls.len(), size(&cover), cover))
+        .reduce(|a, b| if (b.0, b.1) < (a.0, a.1) { b } else { a })
+        .map(|best| best.2)
+        .ok_or_else(|| DecomposeError::Internal("no variant was run".into()))
 }
 
 fn check(mesh: &Mesh, epsilon: f64) -> Result<(), DecomposeError> {

@@ -108,6 +108,9 @@ pub struct SearchSettings {
     pub depth: usize,
     /// Seed of MCTS.
     pub seed: u64,
+    /// How many searches are run, each a variation of these settings; the one
+    /// that ends with the fewest hulls is kept.
+    pub variants: usize,
 }
 
 impl Default for SearchSettings {
@@ -141,11 +144,29 @@ impl Default for SearchSettings {
             iterations: 150,
             depth: 3,
             seed: 0,
+            variants: 1,
         }
     }
 }
 
 impl SearchSettings {
+    /// Variation `k`; the first is the settings themselves. Which one wins is
+    /// different from part to part: other grids find other cuts, and the norm
+    /// decides whether small pieces are peeled or halves are made.
+    #[must_use]
+    pub fn variant(&self, k: usize) -> SearchSettings {
+        let grids = [0, 3, 1, 4, 2, 6, 5, 7];
+        let norms = [None, None, Some(Norm::Sum(1.3)), None, Some(Norm::Worst), None, Some(Norm::Sum(0.85)), None];
+        SearchSettings {
+            planes: self.planes + grids[k % grids.len()],
+            second: self.second + k % 3,
+            norm: norms[k % norms.len()].unwrap_or(self.norm),
+            excess: if k % 4 == 3 { 0.3 * self.excess } else { self.excess },
+            seed: self.seed.wrapping_add(k as u64),
+            ..self.clone()
+        }
+    }
+
     /// Set one parameter by its name, as text.
     ///
     /// # Errors
@@ -230,6 +251,7 @@ impl SearchSettings {
             "second_faces" => self.second_faces = number(name, value)?,
             "iterations" => self.iterations = number(name, value)?,
             "depth" => self.depth = number(name, value)?,
+            "variants" => self.variants = number(name, value)?,
             "seed" => self.seed = number(name, value)?,
             _ => return Err(format!("'{name}' is no parameter of the search")),
         }

@@ -99,7 +99,7 @@ def test_certificates_hold_against_samples(case):
         winding = np.asarray(igl.fast_winding_number(v.astype(float), f.astype(np.int64), points))
         found = np.where(winding > 0.5, 0.0, distance).max()
         assert hull.certificate.lower <= hull.certificate.upper <= d.epsilon
-        assert found <= hull.certificate.upper + 1e-9
+        assert found <= hull.certificate.upper + 2e-7  # igl: root of a rounded square
         worst = max(worst, found)
     # The bound is no empty promise: samples come near the tolerance.
     assert worst > 0.3 * d.epsilon
