@@ -21,7 +21,6 @@ from assetpipe.cli.options import JsonCommand
     "-o", "--out", required=True, type=click.Path(path_type=Path), metavar="OUT", help="A folder."
 )
 @options.build_settings
-@click.option("--visuals", type=click.Choice(["copy", "reference"]), help="Visual meshes.")
 @click.option("--format", "format_list", metavar="urdf,…", help="Descriptions to write.")
 @options.run_settings
 @click.option("--shard", metavar="I/N", help="Build only part I of N of the robots.")

@@ -140,7 +140,6 @@ def config_from(options: dict[str, Any]) -> Config:
         "reach",
         "seed",
         "jobs",
-        "visuals",
         "formats",
     )
     changes = {key: options[key] for key in direct if options.get(key) is not None}

@@ -31,7 +31,6 @@ Effort = Literal["fast", "balanced", "best"]
 Engine = Literal["assetpipe", "coacd", "vhacd", "hull"]
 Cavities = Literal["fill", "keep"]
 RepairMode = Literal["strict", "auto", "off"]
-Visuals = Literal["copy", "reference"]
 Format = Literal["urdf"]
 Check = Literal["contact", "self_collision", "engine"]
 
@@ -192,7 +191,6 @@ class Config(_Frozen):
         max_hull_vertices: budget a hull.
         cavities: whether sealed voids count as solid.
         reach: metres; space that no ball of this radius can enter counts as solid.
-        visuals: copy visual meshes into OUT, or reference them where they are.
         formats: robot descriptions to write.
         jobs: meshes worked on at once; ``None`` is one a core.
         repair: how broken meshes are made solids.
@@ -214,7 +212,6 @@ class Config(_Frozen):
     max_hull_vertices: int | None = Field(default=None, ge=4)
     cavities: Cavities = "fill"
     reach: Metres = 0.0
-    visuals: Visuals = "copy"
     formats: tuple[Format, ...] = Field(default=("urdf",), min_length=1)
     jobs: int | None = Field(default=None, ge=1, le=1024)
     repair: RepairSettings = RepairSettings()

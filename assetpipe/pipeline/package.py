@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Collection, Container, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -158,10 +158,9 @@ def _robot(start: Draft, config: Config) -> Draft:
             )
     replacements, additions = new_collisions(start, places)
     stage.path(str(layout.urdf)).write_bytes(write_urdf(robot, replacements, additions))
-    copies = _copies(robot, layout, replaced, config)
-    for copy in copies:
+    for copy in layout.copies:
         shutil.copyfile(copy.source, stage.path(str(copy.to)))
-    inputs, named = _inputs(start, copies)
+    inputs, named = _inputs(start, layout.copies)
     return replace(
         start,
         files={
@@ -224,18 +223,6 @@ def _shared(elements: Sequence[Element], layout: Layout) -> dict[Key, HullPlace]
         group = (element.job, str(own.folder.parent), above)
         places[element.kind, element.link, element.index] = first.setdefault(group, own)
     return places
-
-
-def _copies(
-    robot: Robot, layout: Layout, replaced: Collection[tuple[str, int]], config: Config
-) -> tuple[Copy, ...]:
-    """What is copied: everything the URDF still refers to, or all but the visual meshes."""
-    if config.visuals == "copy":
-        return layout.copies
-    needed = tuple(r for r in robot.references if r.role not in ("visual", "texture"))
-    without = lay_out(replace(robot, references=needed), replaced=replaced)
-    sources = {copy.source for copy in without.copies}
-    return tuple(copy for copy in layout.copies if copy.source in sources)
 
 
 def _inputs(start: Draft, copies: Sequence[Copy]) -> tuple[dict[str, str], dict[str, str]]:

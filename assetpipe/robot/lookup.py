@@ -188,7 +188,10 @@ class Lookup:
         if hint is None and not any(m != "walk up" for _, m in candidates):
             close = get_close_matches(name, known, n=1)
             there = f"; did you mean '{close[0]}'?" if close else ""
-            hint = f"package '{name}' is not known{there}; give it with --package {name}=FOLDER"
+            hint = (
+                f"package '{name}' is not known{there}; "
+                "add the folder that holds it to ROS_PACKAGE_PATH"
+            )
         return Resolution(uri, "missing", package=name, rest=rest, tried=tuple(tried), hint=hint)
 
     def _relative(self, uri: str, text: str) -> Resolution:
@@ -286,7 +289,7 @@ class Lookup:
         return str(path) if near.count("..") > _LEVELS else near
 
 
-_ALLOW = "allow its folder with --allow-root if you trust the description"
+_ALLOW = "add its folder to ASSETPIPE_ALLOW_ROOTS if you trust the description"
 
 
 def _home(folder: Path) -> Path:

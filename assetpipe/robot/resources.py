@@ -48,7 +48,10 @@ class Resolver:
         packages: Mapping[str, Path] | None = None,
         allow_roots: Sequence[Path] = (),
     ) -> Resolver:
-        """With the paths that ROS and Gazebo keep in the environment."""
+        """With the paths that ROS and Gazebo keep in the environment.
+
+        ``ASSETPIPE_ALLOW_ROOTS`` holds further folders from which files may be read.
+        """
         environment = os.environ if environment is None else environment
 
         def paths(*names: str) -> tuple[Path, ...]:
@@ -60,7 +63,7 @@ class Resolver:
             ros_package_path=paths("ROS_PACKAGE_PATH"),
             ament_prefix_path=paths("AMENT_PREFIX_PATH"),
             model_path=paths(*_MODEL_PATHS),
-            allow_roots=tuple(allow_roots),
+            allow_roots=(*allow_roots, *paths("ASSETPIPE_ALLOW_ROOTS")),
         )
 
     def settings(self) -> dict[str, Any]:

@@ -146,7 +146,9 @@ class _Guard:
     def _find(self, name: str) -> str:
         root = self._lookup.package_root(name)
         if root is None:
-            raise _Refused(f"package '{name}' not found; give it with --package {name}=FOLDER")
+            raise _Refused(
+                f"package '{name}' not found; add the folder that holds it to ROS_PACKAGE_PATH"
+            )
         self._found[name] = root
         return str(root)
 

@@ -113,7 +113,7 @@ def test_a_broken_include_is_located_in_its_own_file(tmp_path: Path) -> None:
 
 def test_a_package_that_is_not_there(tmp_path: Path) -> None:
     manifest(tmp_path, "arm")
-    with pytest.raises(XacroError, match="package 'other' not found; give it with --package"):
+    with pytest.raises(XacroError, match="package 'other' not found; add the folder that holds it"):
         expand(tmp_path / "r.xacro", '<xacro:include filename="$(find other)/x.xacro"/>')
 
 
