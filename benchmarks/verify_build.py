@@ -522,10 +522,11 @@ def load_in_bullet(urdf: Path, seconds: float = 300) -> dict[str, int] | str:
         )
     except subprocess.TimeoutExpired:
         return "out of time"
-    line = next((x for x in done.stdout.splitlines() if x.startswith("SHAPES")), None)
+    # Bullet may leave its own line unfinished.
+    line = next((x for x in done.stdout.splitlines() if "SHAPES{" in x), None)
     if line is None:
         return f"exit {done.returncode}: {(done.stderr or done.stdout).strip()[-200:]}"
-    return json.loads(line[6:])
+    return json.loads(line[line.index("SHAPES{") + 6 :])
 
 
 def check_bullet(verdict: Verdict, root, urdf: Path, kept: set[str], original: Path) -> None:
