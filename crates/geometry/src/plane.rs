@@ -42,9 +42,43 @@ impl Plane {
         }
     }
 
+    /// The same plane with its normal's largest component in [1/2, 1),
+    /// exactly (by a power of two), so that [`evaluate`](Self::evaluate)
+    /// neither overflows nor vanishes for points of ordinary size.
+    #[must_use]
+    pub fn scaled(&self) -> Self {
+        let (_, exponent) = libm::frexp(self.normal.abs().max_element());
+        // In two steps, either of which is in range.
+        let steps = [-exponent / 2, -exponent - -exponent / 2].map(|e| libm::ldexp(1.0, e));
+        Self {
+            normal: self.normal * steps[0] * steps[1],
+            offset: self.offset * steps[0] * steps[1],
+        }
+    }
+
     /// `normal · x - offset`, rounded. Its sign is decided by
     /// [`predicates::side`](crate::predicates::side).
     pub fn evaluate(&self, x: DVec3) -> f64 {
         self.normal.dot(x) - self.offset
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scaling_changes_neither_direction_nor_place() {
+        for size in [f64::MIN_POSITIVE, 5e-324, 1e-200, 0.7, 3.0, 1e300, f64::MAX] {
+            let plane = Plane {
+                normal: DVec3::new(0.0, size, -size),
+                offset: size,
+            };
+            let scaled = plane.scaled();
+            let expected = scaled.normal.y;
+            assert!((0.5..1.0).contains(&expected), "{size}: {scaled:?}");
+            assert_eq!(scaled.normal, DVec3::new(0.0, expected, -expected));
+            assert_eq!(scaled.offset, expected);
+        }
     }
 }

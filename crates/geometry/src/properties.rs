@@ -23,10 +23,7 @@ pub fn diagonal(mesh: &Mesh) -> f64 {
 
 /// Surface area.
 pub fn area(mesh: &Mesh) -> f64 {
-    mesh.faces()
-        .map(|[a, b, c]| (b - a).cross(c - a).length())
-        .sum::<f64>()
-        / 2.0
+    mesh.faces().map(|f| double_area(f).length()).sum::<f64>() / 2.0
 }
 
 /// Enclosed volume (of a closed mesh; negative if inside out): the sum of
@@ -34,8 +31,7 @@ pub fn area(mesh: &Mesh) -> f64 {
 pub fn volume(mesh: &Mesh) -> f64 {
     let apex = apex(mesh);
     mesh.faces()
-        .map(|f| f.map(|p| p - apex))
-        .map(|[a, b, c]| a.dot(b.cross(c)))
+        .map(|f| six_fold_volume(f.map(|p| p - apex)))
         .sum::<f64>()
         / 6.0
 }
@@ -63,7 +59,7 @@ pub fn mass_properties(mesh: &Mesh) -> MassProperties {
     let mut second = DMat3::ZERO;
     for face in mesh.faces() {
         let [a, b, c] = face.map(|p| p - apex);
-        let determinant = a.dot(b.cross(c));
+        let determinant = six_fold_volume([a, b, c]);
         let sum = a + b + c;
         volume += determinant / 6.0;
         moment += sum * (determinant / 24.0);
@@ -87,6 +83,26 @@ pub fn mass_properties(mesh: &Mesh) -> MassProperties {
 pub fn convexity_defect(mesh: &Mesh) -> Result<f64, HullError> {
     let hull = Builder::default().volume(&mesh.vertices)?;
     Ok(1.0 - volume(mesh) / hull)
+}
+
+/// Six times the signed volume between a triangle and the origin, as height
+/// times area: products of long position vectors would cancel.
+pub(crate) fn six_fold_volume(corners: [DVec3; 3]) -> f64 {
+    corners[0].dot(double_area(corners))
+}
+
+/// A triangle's normal, of twice its area, from its two shorter edges: the
+/// product of long edges of a needle would cancel.
+fn double_area([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let (u, v, w) = (b - a, c - b, a - c);
+    let lengths = [u, v, w].map(DVec3::length_squared);
+    if lengths[0] >= lengths[1] && lengths[0] >= lengths[2] {
+        v.cross(w)
+    } else if lengths[1] >= lengths[2] {
+        w.cross(u)
+    } else {
+        u.cross(v)
+    }
 }
 
 fn square(v: DVec3) -> DMat3 {

@@ -6,12 +6,14 @@ mod separate;
 mod split;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 use glam::DVec3;
 
 pub use components::{components, label_components};
 pub use separate::separate;
 pub use split::{split, Split};
+pub use volume::volume_below;
 
 /// Why a mesh cannot be cut.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

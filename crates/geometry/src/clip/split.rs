@@ -20,9 +20,8 @@ pub struct Split {
     pub below: Option<Mesh>,
     /// What lies where `normal · x > offset`.
     pub above: Option<Mesh>,
-    /// Whether a cap had to be a fan with overlapping triangles (coordinates
-    /// beyond 1e±60, or loops that cross without end): closed, of the right
-    /// volume, but not embedded.
+    /// Whether the cap had to be a fan with overlapping triangles, because loops
+    /// crossed without end: closed, of the right volume, but not embedded.
     pub is_fan: bool,
 }
 
@@ -30,7 +29,7 @@ pub struct Split {
 ///
 /// Sides are decided exactly; a vertex on the plane stays where it is. Each
 /// crossing point is computed once and shared; if the plane is axis-aligned
-/// its coordinate is the plane's to the last bit. Both pieces get the same
+/// its coordinate is the offset to the last bit (for a unit normal). Both pieces get the same
 /// cap, turned around, so as chains the pieces add up to the solid: volumes
 /// are additive up to the rounding of crossing points. Faces in the plane go
 /// to the side on which the solid is. Where a piece touches itself in the
@@ -68,18 +67,19 @@ pub fn split(mesh: &Mesh, plane: &Plane) -> Result<Split, ClipError> {
             is_fan: false,
         });
     }
-    let view = View::of(plane);
+    let scaled = plane.scaled();
+    let view = View::of(&scaled);
     let mut cut = Cut {
         mesh,
         sides: &sides,
-        section: Section::new(mesh, plane, view, &sides),
+        section: Section::new(mesh, &scaled, view, &sides),
         view,
         below: Vec::new(),
         above: Vec::new(),
         rim: Vec::new(),
     };
     cut.triangles();
-    let is_fan = cut.cap(plane)?;
+    let is_fan = cut.cap(&scaled)?;
     let (low, high): (Vec<u32>, Vec<u32>) = cut.section.crossed.iter().copied().unzip();
     Ok(Split {
         below: cut.finish(&cut.below, &low),

@@ -5,9 +5,8 @@
 //! directed edges: edge `e` and its reverse `e ^ 1` lie side by side.
 
 use glam::DVec2;
-use robust::Coord;
 
-use crate::predicates::orient2d;
+use crate::predicates::{incircle, orient2d};
 
 /// No edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -97,11 +96,7 @@ impl<'a> Triangulation<'a> {
 
     /// Whether `d` is strictly inside the circle through `a`, `b`, `c` (counter-clockwise).
     pub(super) fn encircles(&self, a: u32, b: u32, c: u32, d: u32) -> bool {
-        let coord = |p: u32| Coord {
-            x: self.at(p).x,
-            y: self.at(p).y,
-        };
-        robust::incircle(coord(a), coord(b), coord(c), coord(d)) > 0.0
+        incircle(self.at(a), self.at(b), self.at(c), self.at(d)).is_gt()
     }
 
     /// Turns `edge` within the quadrilateral of its two triangles.

@@ -1,11 +1,11 @@
 //! Triangles that a cycle bounds.
 
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
 use super::constraint::Obstacle;
+use super::crossing::{compare, Crossings};
 use super::delaunay::Triangulation;
 
 /// A directed boundary edge: start, end, multiplicity.
@@ -27,7 +27,7 @@ pub struct Filling {
 }
 
 /// How often crossings may be added before the fan is taken.
-const ROUNDS: usize = 40;
+const ROUNDS: u32 = 40;
 
 /// Fills the region that the cycle `edges` winds around counter-clockwise.
 ///
@@ -39,21 +39,19 @@ const ROUNDS: usize = 40;
 pub fn fill(points: &[DVec2], edges: &[Edge]) -> Filling {
     let mut all = points.to_vec();
     let mut subdivided = BTreeMap::new();
-    if in_range(points) {
-        for _ in 0..ROUNDS {
-            match attempt(&all, edges, &mut subdivided) {
-                Outcome::Filled(triangles) => {
-                    let crossings = all.split_off(points.len());
-                    return Filling {
-                        crossings,
-                        triangles,
-                        subdivided,
-                        is_fan: false,
-                    };
-                }
-                Outcome::Again(crossings) => all.extend(crossings),
-                Outcome::Stuck => break,
+    for round in 0..ROUNDS {
+        match attempt(&all, edges, &mut subdivided, round) {
+            Outcome::Filled(triangles) => {
+                let crossings = all.split_off(points.len());
+                return Filling {
+                    crossings,
+                    triangles,
+                    subdivided,
+                    is_fan: false,
+                };
             }
+            Outcome::Again(crossings) => all.extend(crossings),
+            Outcome::Stuck => break,
         }
     }
     Filling {
@@ -69,15 +67,8 @@ enum Outcome {
     Filled(Vec<[u32; 3]>),
     /// Boundary edges cross; they have been subdivided at these further points.
     Again(Vec<DVec2>),
-    /// Arithmetic left its range.
+    /// The points are not finite or not distinct.
     Stuck,
-}
-
-/// Whether the circle test can be exact: products of four coordinates
-/// neither overflow nor vanish.
-fn in_range(points: &[DVec2]) -> bool {
-    let fits = |x: f64| x == 0.0 || (1e-60..1e60).contains(&x.abs());
-    points.iter().all(|p| fits(p.x) && fits(p.y))
 }
 
 /// Triangulates with the points there are, or finds the crossings that are missing.
@@ -85,8 +76,12 @@ fn attempt(
     points: &[DVec2],
     edges: &[Edge],
     subdivided: &mut BTreeMap<(u32, u32), u32>,
+    round: u32,
 ) -> Outcome {
     let order = sorted(points, edges, subdivided);
+    if !order.iter().all(|p| points[*p as usize].is_finite()) {
+        return Outcome::Stuck;
+    }
     if order
         .windows(2)
         .any(|w| points[w[0] as usize] == points[w[1] as usize])
@@ -94,11 +89,7 @@ fn attempt(
         return Outcome::Stuck;
     }
     let mut mesh = Triangulation::new(points, &order);
-    let mut crossings = Crossings {
-        points,
-        order: &order,
-        added: Vec::new(),
-    };
+    let mut crossings = Crossings::new(points, &order, round);
     let mut complete = true;
     let mut turned = Vec::new();
     let mut stack = Vec::new();
@@ -136,7 +127,7 @@ fn attempt(
         mesh.legalise(turned);
         Outcome::Filled(wound(&mesh))
     } else {
-        Outcome::Again(crossings.added)
+        Outcome::Again(crossings.into_added())
     }
 }
 
@@ -156,55 +147,6 @@ fn sorted(points: &[DVec2], edges: &[Edge], subdivided: &BTreeMap<(u32, u32), u3
         .collect();
     order.sort_unstable_by(|&a, &b| compare(points[a as usize], points[b as usize]));
     order
-}
-
-fn compare(a: DVec2, b: DVec2) -> Ordering {
-    // Adding zero makes both zeros one.
-    (a.x + 0.0)
-        .total_cmp(&(b.x + 0.0))
-        .then((a.y + 0.0).total_cmp(&(b.y + 0.0)))
-}
-
-/// Points where boundary edges cross.
-struct Crossings<'a> {
-    points: &'a [DVec2],
-    order: &'a [u32],
-    added: Vec<DVec2>,
-}
-
-impl Crossings<'_> {
-    /// The point, old or new, at which two crossing segments meet, rounded.
-    fn between(&mut self, first: [u32; 2], second: [u32; 2]) -> u32 {
-        let [a, b] = first.map(|p| self.points[p as usize]);
-        let [c, d] = second.map(|p| self.points[p as usize]);
-        let (u, v) = (b - a, d - c);
-        let t = (c - a).perp_dot(v) / u.perp_dot(v);
-        let t = if t.is_finite() {
-            t.clamp(0.0, 1.0)
-        } else {
-            0.5
-        };
-        // Within the boxes of both segments, whatever rounding does.
-        let low = a.min(b).max(c.min(d));
-        let high = a.max(b).min(c.max(d));
-        let met = (a + u * t).max(low).min(high);
-        let points = self.points;
-        let found = self
-            .order
-            .binary_search_by(|&p| compare(points[p as usize], met));
-        if let Ok(index) = found {
-            return self.order[index];
-        }
-        let new = self
-            .added
-            .iter()
-            .position(|&p| p == met)
-            .unwrap_or_else(|| {
-                self.added.push(met);
-                self.added.len() - 1
-            });
-        (points.len() + new) as u32
-    }
 }
 
 /// The triangles around which the weighted edges wind, by flooding from outside.

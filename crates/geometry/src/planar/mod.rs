@@ -6,6 +6,7 @@
 //! the cycle winds around it.
 
 mod constraint;
+mod crossing;
 mod delaunay;
 mod fill;
 #[cfg(test)]

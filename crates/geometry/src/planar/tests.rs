@@ -226,15 +226,30 @@ fn scattered_crossing_walks_close_whatever_happens() {
 }
 
 #[test]
-fn coordinates_out_of_range_still_close_the_cycle() {
-    for scale in [1e-200, 1e200] {
+fn coordinates_of_any_size_are_triangulated() {
+    for scale in [1e-300, 1e-200, 1e-60, 1e60, 1e200, 1e300] {
         let loops = [
             square([0.0, 0.0], scale),
             reversed(square([0.0, 0.0], scale / 2.0)),
+            square([scale, scale / 4.0], scale / 2.0),
         ];
         let (points, edges) = cycle(&loops);
         let filling = fill(&points, &edges);
-        assert!(filling.is_fan);
+        assert!(!filling.is_fan, "{scale}");
+        assert_eq!(filling.crossings.len(), 2);
         check(&points, &edges, &filling);
     }
+}
+
+#[test]
+fn what_cannot_be_triangulated_still_closes_the_cycle() {
+    let (mut points, edges) = cycle(&[ring(12, 1.0)]);
+    points[3] = points[4];
+    let filling = fill(&points, &edges);
+    assert!(filling.is_fan);
+    check(&points, &edges, &filling);
+    points[3] = DVec2::NAN;
+    let filling = fill(&points, &edges);
+    assert!(filling.is_fan);
+    check(&points, &edges, &filling);
 }

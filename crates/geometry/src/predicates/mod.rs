@@ -31,6 +31,8 @@ const UNDERFLOW: f64 = 1e-300;
 /// overflow or lose bits: a non-zero coordinate is then a multiple of
 /// 2^-332, a product of three is a multiple of 2^-996.
 const EXPANSION_RANGE: std::ops::Range<f64> = 1e-84..1e84;
+/// The same for degree four: a product of four is a multiple of 2^-1012.
+const QUARTIC_RANGE: std::ops::Range<f64> = 1e-60..1e60;
 
 /// Which way `a`, `b`, `c` turn in the plane.
 ///
@@ -201,6 +203,19 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let b_virtual = sum - a;
     let a_virtual = sum - b_virtual;
     (sum, (a - a_virtual) + (b - b_virtual))
+}
+
+/// Whether `d` is inside the circle through `a`, `b`, `c`, given counter-clockwise.
+///
+/// `Greater`: strictly inside, `Equal`: on the circle (or line) through them.
+pub fn incircle(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Ordering {
+    let fits = |x: f64| x == 0.0 || QUARTIC_RANGE.contains(&x.abs());
+    if [a, b, c, d].iter().all(|p| fits(p.x) && fits(p.y)) {
+        let coord = |p: DVec2| Coord { x: p.x, y: p.y };
+        sign(robust::incircle(coord(a), coord(b), coord(c), coord(d)))
+    } else {
+        wide::incircle(a, b, c, d)
+    }
 }
 
 fn expands(coordinate: f64) -> bool {

@@ -2,7 +2,7 @@ use std::cmp::Ordering;
 
 use glam::{DVec2, DVec3};
 
-use super::{collinear, orient2d, orient3d, side, wide};
+use super::{collinear, incircle, orient2d, orient3d, side, wide};
 use crate::plane::Plane;
 use crate::sample::Random;
 
@@ -40,6 +40,8 @@ fn filters_and_expansions_agree_with_integers_near_degeneracy() {
         assert_eq!(orient3d(a, b, c, d), expected, "{a:?} {b:?} {c:?} {d:?}");
         let [p, q, r] = [a, b, c].map(|v| DVec2::new(v.x, v.y));
         assert_eq!(orient2d(p, q, r), wide::orient2d(p, q, r));
+        let s = DVec2::new(d.x, d.y);
+        assert_eq!(incircle(p, q, r, s), wide::incircle(p, q, r, s));
         let plane = Plane {
             normal: a,
             offset: a.dot(b) + (c.x - d.x) * f64::EPSILON,
@@ -62,6 +64,10 @@ fn signs_do_not_depend_on_scale_even_where_products_overflow_or_vanish() {
             let expected = orient3d(a, b, c, d);
             let scaled = orient3d(a * scale, b * scale, c * scale, d * scale);
             assert_eq!(scaled, expected, "scale 2^{exponent}");
+            let flat = [a, b, c, d].map(|p| DVec2::new(p.x, p.y));
+            let [p, q, r, s] = flat.map(|p| p * scale);
+            let circle = incircle(flat[0], flat[1], flat[2], flat[3]);
+            assert_eq!(incircle(p, q, r, s), circle, "scale 2^{exponent}");
             let plane = Plane {
                 normal: a,
                 offset: a.dot(b),

@@ -165,6 +165,16 @@ pub(super) fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Ordering {
     x.plus(&y).plus(&z).sign()
 }
 
+pub(super) fn incircle(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Ordering {
+    let [a, b, c] = [a, b, c].map(|p| difference(p.extend(0.0), d.extend(0.0)));
+    let lift = |[x, y, _]: &[Integer; 3]| x.times(x).plus(&y.times(y));
+    let cross = |p: &[Integer; 3], q: &[Integer; 3]| minor(&p[0], &p[1], &q[0], &q[1]);
+    let bc = lift(&a).times(&cross(&b, &c));
+    let ca = lift(&b).times(&cross(&c, &a));
+    let ab = lift(&c).times(&cross(&a, &b));
+    bc.plus(&ca).plus(&ab).sign()
+}
+
 pub(super) fn side(plane: &Plane, x: DVec3) -> Ordering {
     let offset = Integer::scaled(plane.offset).times(&Integer::scaled(1.0));
     let product = |i: usize| Integer::scaled(plane.normal[i]).times(&Integer::scaled(x[i]));
