@@ -39,6 +39,7 @@ def command(inputs: tuple[Path, ...], out: Path, **given: Any) -> int:
     assetpipe build my_robots/ -o out/ --tolerance 2mm --jobs 8
     assetpipe build gripper.stl -o hulls/ --max-hulls 8
     """
+    from assetpipe.cli.interrupt import requested
     from assetpipe.cli.progress import progress_bar
     from assetpipe.cli.reports import deliver
     from assetpipe.pipeline.build import build_all
@@ -56,6 +57,7 @@ def command(inputs: tuple[Path, ...], out: Path, **given: Any) -> int:
             shard=given["shard"],
             mode="compare" if given["check"] else "write",
             on_progress=listener,
+            cancel=requested,
         )
     deliver(result, given, inputs, stream=sys.stdout)
     return result.exit_code

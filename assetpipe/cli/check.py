@@ -31,6 +31,7 @@ def command(inputs: tuple[Path, ...], **given: Any) -> int:
     assetpipe check my_robots/ --sarif findings.sarif
     assetpipe check robot.urdf --config planning --junit findings.xml
     """
+    from assetpipe.cli.interrupt import requested
     from assetpipe.cli.progress import progress_bar
     from assetpipe.cli.reports import deliver
     from assetpipe.pipeline.build import check
@@ -43,6 +44,7 @@ def command(inputs: tuple[Path, ...], **given: Any) -> int:
             cache=options.cache_from(given),
             cluster=given["cluster"],
             on_progress=listener,
+            cancel=requested,
         )
     deliver(result, given, inputs, stream=sys.stdout)
     return result.exit_code

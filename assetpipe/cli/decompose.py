@@ -34,6 +34,7 @@ def command(mesh: Path, out: Path, **given: Any) -> int:
     assetpipe decompose bracket.stl -o hulls/ --tolerance 2mm
     assetpipe decompose bracket.stl -o hulls/ --json
     """
+    from assetpipe.cli.interrupt import requested
     from assetpipe.cli.outlines import decompose_outlines
     from assetpipe.cli.progress import progress_bar
     from assetpipe.cli.reports import deliver
@@ -60,6 +61,7 @@ def command(mesh: Path, out: Path, **given: Any) -> int:
             cache=options.cache_from(given),
             cluster=given["cluster"],
             on_progress=listener,
+            cancel=requested,
         )
     deliver(result, given, (mesh,), stream=sys.stdout)
     return result.exit_code

@@ -27,6 +27,7 @@ def command(inputs: tuple[Path, ...], **given: Any) -> int:
     assetpipe inspect robot.urdf
     assetpipe inspect link.stl --json
     """
+    from assetpipe.cli.interrupt import requested
     from assetpipe.cli.progress import progress_bar
     from assetpipe.pipeline.executors.choose import executor_for
     from assetpipe.pipeline.inspection import inspect
@@ -40,6 +41,7 @@ def command(inputs: tuple[Path, ...], **given: Any) -> int:
             cache=options.cache_from(given),
             executor=executor,
             on_progress=listener,
+            cancel=requested,
         )
     record = result.as_dict()
     options.deliver_json(given["json_file"], record)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import importlib
 import os
 import shutil
-import signal
 import sys
-import types
 from collections.abc import Sequence
 
 import click
 
 import assetpipe
+from assetpipe.cli.interrupt import Terminated, heard, terminated
 from assetpipe.errors import AssetpipeError, CancelledError, EngineError, unknown_name
 from assetpipe.pipeline.quick import Command, again
 
@@ -76,39 +75,22 @@ def main() -> None:
 
 def run(arguments: list[str]) -> int:
     """Run a command line; its exit code."""
-    previous = _on_terminate()
     try:
-        code = _run(arguments)
-        sys.stdout.flush()
+        with heard():
+            code = _run(arguments)
+            sys.stdout.flush()
     except BrokenPipeError:
         # The reader has gone; Python's own flush at exit must not complain again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
     else:
         return code
-    finally:
-        if previous is not None:
-            signal.signal(signal.SIGTERM, previous)
 
 
 def command_of(arguments: Sequence[str]) -> Command:
     """The command line as :mod:`assetpipe.pipeline.quick` remembers it."""
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 0
     return Command(tuple(arguments), width)
-
-
-class _Terminated(BaseException):
-    """SIGTERM: unwinds like Ctrl-C, so that nothing half-written stays."""
-
-
-def _on_terminate() -> signal.Handlers | None:
-    def leave(number: int, frame: types.FrameType | None) -> None:
-        raise _Terminated
-
-    try:
-        return signal.signal(signal.SIGTERM, leave)  # type: ignore[return-value]
-    except ValueError:  # not in the main thread
-        return None
 
 
 def _run(arguments: list[str]) -> int:
@@ -123,11 +105,9 @@ def _run(arguments: list[str]) -> int:
     except click.ClickException as error:
         error.show()
         return USAGE
-    except (KeyboardInterrupt, click.Abort, CancelledError):
+    except (KeyboardInterrupt, click.Abort, CancelledError, Terminated):
         click.echo("interrupted; nothing was left half-written", err=True)
-        return INTERRUPTED
-    except _Terminated:
-        return TERMINATED
+        return TERMINATED if terminated() else INTERRUPTED
     except SystemExit as error:
         # What click makes of a broken pipe; its code 1 would say "findings".
         raise BrokenPipeError from error

@@ -41,6 +41,7 @@ def command(source: Path, out: Path, **given: Any) -> int:
     assetpipe tradeoff hand.stl -o tradeoff/ --tolerances 4%,2%,1%,0.5% --efforts fast,best
     assetpipe tradeoff robot.urdf -o tradeoff/ --engines assetpipe,coacd
     """
+    from assetpipe.cli.interrupt import requested
     from assetpipe.cli.options import deliver_json
     from assetpipe.cli.progress import progress_bar
     from assetpipe.decomposition.tolerance import Tolerance
@@ -63,7 +64,9 @@ def command(source: Path, out: Path, **given: Any) -> int:
     )
     config = load_config(given["config_name"]) if given["config_name"] else Config()
     with progress_bar() as listener:
-        record = measure(source, chosen, config=config, on_progress=listener).as_dict()
+        record = measure(
+            source, chosen, config=config, on_progress=listener, cancel=requested
+        ).as_dict()
     out.mkdir(parents=True, exist_ok=True)
     write_json(out / "tradeoff.json", record)
     write_csv(out / "tradeoff.csv", record)

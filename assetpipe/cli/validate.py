@@ -38,6 +38,7 @@ def command(robots: tuple[Path, ...], **given: Any) -> int:
     assetpipe validate --scene drawer_opens_by_handle --sensitivity
     assetpipe validate --scene my_scene.yaml --explain
     """
+    from assetpipe.cli.interrupt import requested
     from assetpipe.cli.progress import progress_bar
     from assetpipe.errors import UsageError
     from assetpipe.pipeline.compare import explain, validate
@@ -68,6 +69,7 @@ def command(robots: tuple[Path, ...], **given: Any) -> int:
             depth="sensitivity" if given["sensitivity"] else "answer",
             config=config,
             on_progress=listener,
+            cancel=requested,
         )
     options.deliver_json(given["json_file"], {**result.as_dict(), "seconds": result.seconds})
     if given["json_file"] != STDOUT:

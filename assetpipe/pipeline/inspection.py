@@ -11,6 +11,7 @@ from assetpipe.findings import Finding
 from assetpipe.pipeline.cache import Cache
 from assetpipe.pipeline.config import Config
 from assetpipe.pipeline.executors import Executor
+from assetpipe.pipeline.executors.task import Cancelled
 from assetpipe.pipeline.identity import digest_mesh
 from assetpipe.pipeline.inputs import find_sources
 from assetpipe.pipeline.locate import located
@@ -62,7 +63,7 @@ def inspect(
     cache: Cache,
     executor: Executor,
     on_progress: Listener = silent,
-    cancel: Token | None = None,
+    cancel: Token | Cancelled | None = None,
 ) -> Inspection:
     """Examine every distinct mesh of the inputs.
 

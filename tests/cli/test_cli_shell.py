@@ -1,15 +1,19 @@
 """What the command line promises whatever the command does."""
 
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import assetpipe
+from assetpipe.cli import shell
 from assetpipe.cli.shell import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -116,3 +120,25 @@ def test_start_imports_nothing_slow() -> None:
     modules = set(json.loads(done.stdout.splitlines()[-1]))
     slow = {"numpy", "scipy", "trimesh", "pydantic", "rich", "lxml", "yourdfpy", "fcl", "pybullet"}
     assert not modules & slow
+
+
+def test_a_signal_that_a_library_swallows_still_stops_the_build(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Imports catch every exception, and with it the one that Ctrl-C raises."""
+    from assetpipe.pipeline import build as pipeline_build
+
+    out = tmp_path / "out"
+    real = pipeline_build.find_sources
+
+    def swallow(inputs):
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(5)
+        return real(inputs)
+
+    monkeypatch.setattr(pipeline_build, "find_sources", swallow)
+    mesh = Path(__file__).parents[2] / "sample_assets/toaster/meshes/lever.obj"
+    assert shell.run(["build", str(mesh), "-o", str(out), "--no-cache"]) == 130
+    assert not out.exists()
+    assert "interrupted" in capsys.readouterr().err
