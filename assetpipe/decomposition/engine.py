@@ -63,13 +63,12 @@ def decompose(
         metric: what is held below the tolerance: ``"thickening"``, towards the whole
             solid, or ``"concavity"`` (Wei et al. 2022, Eq. 4), towards the part.
         effort: how long to search.
-        seed: of policies that draw random numbers; the same seed gives the same bytes.
+        seed: of policies that draw random numbers; today's draw none, so it has no influence.
         threads: at most so many threads; ``None``: all cores. No influence on the result.
         max_hulls: budget; met by merging outwards, the certificate tells the price.
         max_hull_vertices: budget a hull; met by simplifying outwards, likewise.
         cavities: ``"fill"`` closes enclosed voids first; ``"keep"`` leaves them.
-        reach: space that a ball of this radius (metres) cannot enter from outside counts
-            as solid; 0 for none.
+        reach: must be 0: closing space that nothing can enter is not available yet.
         on_progress: called with the share done (0 to 1), about thirty times a second;
             returning ``False`` or raising stops the work.
         params: parameters of the search, for experiments.
@@ -86,8 +85,8 @@ def decompose(
     from assetpipe import _core
 
     _check(metric, effort, cavities)
-    if reach < 0:
-        raise UsageError(f"reach must not be negative, not {reach}")
+    if reach != 0:
+        raise UsageError(f"reach is not available in this version; it must be 0, not {reach}")
     if max_hull_vertices is not None and max_hull_vertices < 4:
         raise UsageError(f"max_hull_vertices must be at least 4, not {max_hull_vertices}")
     if max_hulls is not None and max_hulls < 1:
@@ -100,7 +99,6 @@ def decompose(
     settings: dict[str, str | float] = {
         **_SETTINGS[effort],
         "metric": metric,
-        "seed": seed,
         "most_vertices": max_hull_vertices or 0,
         **(params.search if params else {}),
     }

@@ -25,8 +25,6 @@ pub enum Policy {
     Greedy,
     /// Two steps: the best first cuts, each with its best second cut.
     Lookahead,
-    /// Algorithm 2.
-    Mcts,
 }
 
 /// Which merges come first.
@@ -102,12 +100,6 @@ pub struct SearchSettings {
     pub merging: bool,
     /// Which merges come first.
     pub merge_order: MergeOrder,
-    /// Iterations of MCTS (t).
-    pub iterations: usize,
-    /// Depth of MCTS (d).
-    pub depth: usize,
-    /// Seed of MCTS.
-    pub seed: u64,
     /// How many searches are run, each a variation of these settings; the one
     /// that ends with the fewest hulls is kept.
     pub variants: usize,
@@ -141,9 +133,6 @@ impl Default for SearchSettings {
             most_vertices: 0,
             merging: true,
             merge_order: MergeOrder::Relative,
-            iterations: 150,
-            depth: 3,
-            seed: 0,
             variants: 1,
         }
     }
@@ -156,13 +145,12 @@ impl SearchSettings {
     #[must_use]
     pub fn variant(&self, k: usize) -> SearchSettings {
         let grids = [0, 3, 1, 4, 2, 6, 5, 7];
-        let norms = [None, None, Some(Norm::Sum(1.3)), None, Some(Norm::Worst), None, Some(Norm::Sum(0.85)), None];
+        let norms = [None, None, Some(Norm::Sum(1.3)), None, Some(Norm::Worst), None, None, None];
         SearchSettings {
             planes: self.planes + grids[k % grids.len()],
             second: self.second + k % 3,
             norm: norms[k % norms.len()].unwrap_or(self.norm),
             excess: if k % 4 == 3 { 0.3 * self.excess } else { self.excess },
-            seed: self.seed.wrapping_add(k as u64),
             ..self.clone()
         }
     }
@@ -191,10 +179,9 @@ impl SearchSettings {
                 let known = match value {
                     "greedy" => Some(Policy::Greedy),
                     "lookahead" => Some(Policy::Lookahead),
-                    "mcts" => Some(Policy::Mcts),
                     _ => None,
                 };
-                self.policy = choice(name, value, known, "greedy, lookahead, mcts")?;
+                self.policy = choice(name, value, known, "greedy, lookahead")?;
             }
             "norm" => {
                 self.norm = if value == "worst" { Norm::Worst } else { Norm::Sum(number(name, value)?) };
@@ -249,10 +236,7 @@ impl SearchSettings {
             "faces" => self.faces = number(name, value)?,
             "face" => self.face = number(name, value)?,
             "second_faces" => self.second_faces = number(name, value)?,
-            "iterations" => self.iterations = number(name, value)?,
-            "depth" => self.depth = number(name, value)?,
             "variants" => self.variants = number(name, value)?,
-            "seed" => self.seed = number(name, value)?,
             _ => return Err(format!("'{name}' is no parameter of the search")),
         }
         Ok(())

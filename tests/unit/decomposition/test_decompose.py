@@ -61,7 +61,9 @@ def inside_points(mesh, count: int, seed: int) -> np.ndarray:
     lower, upper = v.min(axis=0), v.max(axis=0)
     points = lower + rng.random((count, 3)) * (upper - lower)
     winding = igl.fast_winding_number(v.astype(float), f.astype(np.int64), points)
-    surface, _ = trimesh.sample.sample_surface(trimesh.Trimesh(v, f, process=False), count, seed=seed)
+    surface, _ = trimesh.sample.sample_surface(
+        trimesh.Trimesh(v, f, process=False), count, seed=seed
+    )
     return np.concatenate([points[np.asarray(winding) > 0.5], surface, v])
 
 
@@ -101,8 +103,9 @@ def test_certificates_hold_against_samples(case):
         assert hull.certificate.lower <= hull.certificate.upper <= d.epsilon
         assert found <= hull.certificate.upper + 2e-7  # igl: root of a rounded square
         worst = max(worst, found)
-    # The bound is no empty promise: samples come near the tolerance.
-    assert worst > 0.3 * d.epsilon
+    # The bound is no empty promise: samples come near its lower end (an exact
+    # decomposition, as of the open box, has none).
+    assert worst >= 0.5 * d.certificate.lower
 
 
 def test_threads_do_not_change_a_byte(case):
@@ -214,7 +217,7 @@ def test_effort_is_a_name():
 def test_progress_is_reported_and_false_cancels():
     mesh = bumpy()
     seen: list[float] = []
-    assetpipe.decompose(mesh, 0.004, on_progress=lambda share: seen.append(share))
+    assetpipe.decompose(mesh, 0.004, on_progress=seen.append)
     assert seen
     assert all(0 <= share <= 1 for share in seen)
     assert seen == sorted(seen)
