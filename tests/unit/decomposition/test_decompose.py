@@ -217,7 +217,7 @@ def test_effort_is_a_name():
 def test_progress_is_reported_and_false_cancels():
     mesh = bumpy()
     seen: list[float] = []
-    assetpipe.decompose(mesh, 0.004, on_progress=seen.append)
+    assetpipe.decompose(mesh, 0.02, on_progress=seen.append)
     assert seen
     assert all(0 <= share <= 1 for share in seen)
     assert seen == sorted(seen)
