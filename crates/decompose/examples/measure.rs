@@ -17,7 +17,8 @@ fn read_off(path: &str) -> Option<Mesh> {
     let mut number = || words.next().and_then(|w| w.parse::<f64>().ok());
     let mut mesh = Mesh::default();
     for _ in 0..n {
-        mesh.vertices.push(DVec3::new(number()?, number()?, number()?));
+        mesh.vertices
+            .push(DVec3::new(number()?, number()?, number()?));
     }
     for _ in 0..m {
         let k = number()? as usize;
@@ -33,7 +34,11 @@ fn read_off(path: &str) -> Option<Mesh> {
 fn weld(mesh: &Mesh) -> Mesh {
     let mut order: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
     let key = |v: u32| (mesh.vertices[v as usize] + DVec3::ZERO).to_array();
-    order.sort_by(|&a, &b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+    order.sort_by(|&a, &b| {
+        key(a)
+            .partial_cmp(&key(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
     let mut welded = Mesh::default();
     let mut index = vec![0; order.len()];
     for run in order.chunk_by(|&a, &b| key(a) == key(b)) {
@@ -42,8 +47,14 @@ fn weld(mesh: &Mesh) -> Mesh {
         }
         welded.vertices.push(mesh.vertices[run[0] as usize]);
     }
-    welded.triangles = mesh.triangles.iter().map(|t| t.map(|v| index[v as usize])).collect();
-    welded.triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+    welded.triangles = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| index[v as usize]))
+        .collect();
+    welded
+        .triangles
+        .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
     welded
 }
 
@@ -53,7 +64,10 @@ fn processor_seconds() -> f64 {
     // Fields 14 and 15 (user and system time) in hundredths of a second, plus
     // the precise time of the main thread where the work is short.
     let after = text.rsplit(')').next().unwrap_or_default().to_owned();
-    let mut fields = after.split_whitespace().skip(11).filter_map(|w| w.parse::<f64>().ok());
+    let mut fields = after
+        .split_whitespace()
+        .skip(11)
+        .filter_map(|w| w.parse::<f64>().ok());
     (fields.next().unwrap_or(0.0) + fields.next().unwrap_or(0.0)) * 0.01
 }
 
@@ -80,7 +94,9 @@ fn main() {
         let (lo, hi) = mesh
             .vertices
             .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| {
+                (lo.min(p), hi.max(p))
+            });
         let epsilon = threshold * 0.5 * (hi - lo).max_element();
         let start = processor_seconds();
         let wall = std::time::Instant::now();
@@ -88,10 +104,16 @@ fn main() {
             Ok(result) => {
                 let hulls = &result.hulls[..result.leaves];
                 let vertices: usize = hulls.iter().map(|h| h.mesh.vertices.len()).sum();
-                let worst = hulls.iter().map(|h| h.thickening.upper).fold(0.0, f64::max) / epsilon * threshold;
+                let worst = hulls.iter().map(|h| h.thickening.upper).fold(0.0, f64::max) / epsilon
+                    * threshold;
                 let name = file.rsplit('/').next().unwrap_or(&file);
-                let concavity =
-                    hulls.iter().filter_map(|h| h.concavity).map(|c| c.upper).fold(0.0, f64::max) / epsilon * threshold;
+                let concavity = hulls
+                    .iter()
+                    .filter_map(|h| h.concavity)
+                    .map(|c| c.upper)
+                    .fold(0.0, f64::max)
+                    / epsilon
+                    * threshold;
                 println!(
                     "{name:24} {:5} hulls {:7.3} s {vertices:6} vertices  wall {:.3} concavity {concavity:.4} thickening {:.5}",
                     hulls.len(),

@@ -17,7 +17,10 @@ fn key(p: DVec3) -> [u64; 3] {
 /// One of a plane and its flipped twin.
 fn canonical(plane: &Plane) -> Plane {
     let n = plane.normal;
-    let first = [n.x, n.y, n.z].into_iter().find(|x| *x != 0.0).unwrap_or(1.0);
+    let first = [n.x, n.y, n.z]
+        .into_iter()
+        .find(|x| *x != 0.0)
+        .unwrap_or(1.0);
     if first < 0.0 {
         plane.flipped()
     } else {
@@ -31,29 +34,48 @@ fn canonical(plane: &Plane) -> Plane {
 /// senses; the sum of both borders is the border of what is left open.
 pub fn close(pieces: &[&Piece]) -> Mesh {
     // One index for each distinct position.
-    let mut positions: Vec<([u64; 3], DVec3)> =
-        pieces.iter().flat_map(|p| p.points.iter().map(|&x| (key(x), x + DVec3::ZERO))).collect();
+    let mut positions: Vec<([u64; 3], DVec3)> = pieces
+        .iter()
+        .flat_map(|p| p.points.iter().map(|&x| (key(x), x + DVec3::ZERO)))
+        .collect();
     positions.sort_by(|a, b| a.0.cmp(&b.0));
     positions.dedup_by(|a, b| a.0 == b.0);
-    let index = |p: DVec3| positions.binary_search_by(|x| x.0.cmp(&key(p))).unwrap_or(0) as u32;
-    let mut mesh = Mesh { vertices: positions.iter().map(|p| p.1).collect(), triangles: Vec::new() };
+    let index = |p: DVec3| {
+        positions
+            .binary_search_by(|x| x.0.cmp(&key(p)))
+            .unwrap_or(0) as u32
+    };
+    let mut mesh = Mesh {
+        vertices: positions.iter().map(|p| p.1).collect(),
+        triangles: Vec::new(),
+    };
 
     // (plane, start, end) of every border segment.
     let mut borders: Vec<(Plane, u32, u32)> = Vec::new();
     for piece in pieces {
         let to: Vec<u32> = piece.points.iter().map(|&p| index(p)).collect();
-        mesh.triangles.extend(piece.triangles.iter().map(|t| t.map(|v| to[v as usize])));
+        mesh.triangles
+            .extend(piece.triangles.iter().map(|t| t.map(|v| to[v as usize])));
         for cap in &piece.caps {
             let plane = canonical(&cap.plane);
-            borders.extend(cap.border.iter().map(|s| (plane, to[s[0] as usize], to[s[1] as usize])));
+            borders.extend(
+                cap.border
+                    .iter()
+                    .map(|s| (plane, to[s[0] as usize], to[s[1] as usize])),
+            );
         }
     }
     let bits = |p: &Plane| (key(p.normal), (p.offset + 0.0).to_bits());
-    borders.sort_by(|a, b| bits(&a.0).cmp(&bits(&b.0)).then((a.1, a.2).cmp(&(b.1, b.2))));
+    borders.sort_by(|a, b| {
+        bits(&a.0)
+            .cmp(&bits(&b.0))
+            .then((a.1, a.2).cmp(&(b.1, b.2)))
+    });
     for run in borders.chunk_by(|a, b| bits(&a.0) == bits(&b.0)) {
         cap(&mut mesh, &run[0].0, run);
     }
-    mesh.triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+    mesh.triangles
+        .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
     mesh
 }
 
@@ -97,18 +119,23 @@ fn cap(mesh: &mut Mesh, plane: &Plane, borders: &[(Plane, u32, u32)]) {
         })
         .collect();
     let place = |i: u32| used.binary_search(&i).unwrap_or(0) as u32;
-    let edges: Vec<Edge> = edges.iter().map(|&(a, b, n)| (place(a), place(b), n)).collect();
+    let edges: Vec<Edge> = edges
+        .iter()
+        .map(|&(a, b, n)| (place(a), place(b), n))
+        .collect();
     let filling = fill(&flat, &edges);
     let mut to = used;
     for p in filling.crossings {
         let mut x = DVec3::ZERO;
         x[u] = p.x;
         x[v] = p.y;
-        x[axis] = (plane.offset - plane.normal[u] * p.x - plane.normal[v] * p.y) / plane.normal[axis];
+        x[axis] =
+            (plane.offset - plane.normal[u] * p.x - plane.normal[v] * p.y) / plane.normal[axis];
         to.push(mesh.vertices.len() as u32);
         mesh.vertices.push(x);
     }
-    mesh.triangles.extend(filling.triangles.iter().map(|t| t.map(|i| to[i as usize])));
+    mesh.triangles
+        .extend(filling.triangles.iter().map(|t| t.map(|i| to[i as usize])));
 }
 
 #[cfg(test)]
@@ -119,8 +146,9 @@ mod tests {
     use assetpipe_geometry::hull::convex_hull;
 
     fn cube() -> Piece {
-        let corners: Vec<DVec3> =
-            (0..8u32).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))).collect();
+        let corners: Vec<DVec3> = (0..8u32)
+            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
+            .collect();
         Piece::from(&convex_hull(&corners).unwrap())
     }
 
@@ -135,7 +163,10 @@ mod tests {
         let whole = close(&[&low, &high]);
         assert!(check_closed(&whole).is_ok());
         assert!((volume(&whole) - 1.0).abs() < 1e-12);
-        assert!(whole.triangles.iter().all(|t| t.iter().any(|&v| whole.vertices[v as usize].z != 0.25)));
+        assert!(whole
+            .triangles
+            .iter()
+            .all(|t| t.iter().any(|&v| whole.vertices[v as usize].z != 0.25)));
     }
 
     #[test]

@@ -29,6 +29,7 @@ impl Control {
     pub(crate) fn report(&self, share: f64) {
         // Several searches may report; the share never goes back. Bits of
         // positive numbers are ordered as the numbers are.
-        self.done.fetch_max(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+        self.done
+            .fetch_max(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
     }
 }

@@ -36,7 +36,11 @@ pub fn check_closed(mesh: &Mesh) -> Result<(), DecomposeError> {
         .collect();
     match open.first() {
         None => Ok(()),
-        Some(run) => Err(DecomposeError::NotClosed { from: run[0].0, to: run[0].1, count: open.len() }),
+        Some(run) => Err(DecomposeError::NotClosed {
+            from: run[0].0,
+            to: run[0].1,
+            count: open.len(),
+        }),
     }
 }
 
@@ -54,7 +58,10 @@ pub fn is_convex(mesh: &Mesh, hull: &Mesh) -> bool {
             return false;
         }
         let [a, b, c] = mesh.corners(run[0].2 as usize);
-        let opposite = mesh.triangles[run[1].2 as usize].iter().copied().find(|&v| v != run[0].0 && v != run[0].1);
+        let opposite = mesh.triangles[run[1].2 as usize]
+            .iter()
+            .copied()
+            .find(|&v| v != run[0].0 && v != run[0].1);
         opposite.is_some_and(|v| below_or_on(orient3d(a, b, c, mesh.vertices[v as usize])))
     })
 }
@@ -77,7 +84,9 @@ mod tests {
     use glam::DVec3;
 
     fn cube() -> Vec<DVec3> {
-        (0..8u32).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))).collect()
+        (0..8u32)
+            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
+            .collect()
     }
 
     #[test]
@@ -93,6 +102,9 @@ mod tests {
     fn an_open_edge_is_named() {
         let mut hull = convex_hull(&cube()).unwrap();
         hull.triangles.pop();
-        assert!(matches!(check_closed(&hull), Err(DecomposeError::NotClosed { count: 3, .. })));
+        assert!(matches!(
+            check_closed(&hull),
+            Err(DecomposeError::NotClosed { count: 3, .. })
+        ));
     }
 }

@@ -70,7 +70,10 @@ pub fn decompose(
             concavity: Some(Interval::exactly(0.0)),
             children: None,
         };
-        return Ok(Decomposition { hulls: vec![hull], leaves: 1 });
+        return Ok(Decomposition {
+            hulls: vec![hull],
+            leaves: 1,
+        });
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -97,26 +100,39 @@ fn concave(
     let (working, copy) = Working::new(mesh, frame);
     let solid = SolidIndex::new(&copy);
     let cancelled = || control.is_cancelled();
-    let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
+    let limits = Limits {
+        cells: 1_000_000,
+        cancelled: &cancelled,
+    };
     // What rounding between the copies may hide is taken off the tolerance.
     let target = working.length(epsilon - 2.0 * working.rounding());
     if target <= 0.0 {
         return Err(DecomposeError::Tolerance { epsilon });
     }
-    let judge = Judge { solid: &solid, metric: settings.metric, epsilon: target, limits: &limits };
+    let judge = Judge {
+        solid: &solid,
+        metric: settings.metric,
+        epsilon: target,
+        limits: &limits,
+    };
     let cover = fewest(&copy, &judge, settings, control)?;
-    let finish =
-        Finish {
+    let finish = Finish {
         working: &working,
         judge,
         slim: settings.slim,
         // Below a hundredth of the tolerance nobody needs digits.
-        gap: Gap { relative: settings.gap, absolute: 0.01 * target },
+        gap: Gap {
+            relative: settings.gap,
+            absolute: 0.01 * target,
+        },
         cells: settings.cells,
         most_vertices: settings.most_vertices,
     };
-    let finished: Vec<(Mesh, Proved, Option<Interval>)> =
-        cover.hulls.par_iter().map(|h| finish.run(h, &cover.parts)).collect::<Result<_, _>>()?;
+    let finished: Vec<(Mesh, Proved, Option<Interval>)> = cover
+        .hulls
+        .par_iter()
+        .map(|h| finish.run(h, &cover.parts))
+        .collect::<Result<_, _>>()?;
     if control.is_cancelled() {
         return Err(DecomposeError::Cancelled);
     }
@@ -126,7 +142,10 @@ fn concave(
     if control.is_cancelled() {
         return Err(DecomposeError::Cancelled);
     }
-    let hulls = nodes.into_iter().map(|node| output(&working, node)).collect();
+    let hulls = nodes
+        .into_iter()
+        .map(|node| output(&working, node))
+        .collect();
     control.report(1.0);
     Ok(Decomposition { hulls, leaves })
 }

@@ -48,7 +48,10 @@ impl Finish<'_> {
         parts: &[Piece],
     ) -> Result<(Mesh, Proved, Option<Interval>), DecomposeError> {
         let (mesh, mut proved) = self.hull(group, parts)?;
-        let limits = Limits { cells: self.cells, ..*self.judge.limits };
+        let limits = Limits {
+            cells: self.cells,
+            ..*self.judge.limits
+        };
         let found = bounds(self.judge.solid, &proved.hull, self.gap, &limits);
         proved.thickening = Interval {
             lower: found.lower.max(proved.thickening.lower),
@@ -65,7 +68,12 @@ impl Finish<'_> {
         let points: Vec<DVec3> = group
             .members
             .iter()
-            .flat_map(|&m| parts[m as usize].points.iter().map(|&p| self.working.input(p)))
+            .flat_map(|&m| {
+                parts[m as usize]
+                    .points
+                    .iter()
+                    .map(|&p| self.working.input(p))
+            })
             .collect();
         let exact = convex_hull(&points).map_err(|e| internal(&e))?;
         if let Some((mesh, proved)) = self.slimmed(&exact, group, parts) {
@@ -81,7 +89,14 @@ impl Finish<'_> {
         let mesh = self.within_budget(exact)?;
         let hull = self.image(&mesh)?;
         let thickening = bounds(self.judge.solid, &hull, self.gap, self.judge.limits);
-        Ok((mesh, Proved { hull, thickening, members: group.members.clone() }))
+        Ok((
+            mesh,
+            Proved {
+                hull,
+                thickening,
+                members: group.members.clone(),
+            },
+        ))
     }
 
     /// The hull with fewer vertices, if one within ε is found.
@@ -94,7 +109,14 @@ impl Finish<'_> {
             if simple.vertices.len() < exact.vertices.len() {
                 let hull = self.image(&simple).ok()?;
                 if let Decision::Within(thickening) = self.judge.decide(&hull, &own) {
-                    return Some((simple, Proved { hull, thickening, members: group.members.clone() }));
+                    return Some((
+                        simple,
+                        Proved {
+                            hull,
+                            thickening,
+                            members: group.members.clone(),
+                        },
+                    ));
                 }
             }
             slim *= 0.3;
@@ -110,7 +132,8 @@ impl Finish<'_> {
         if self.most_vertices == 0 || hull.vertices.len() <= self.most_vertices {
             return Ok(hull);
         }
-        simplify_outward(&hull, self.most_vertices).map_err(|e| DecomposeError::Internal(e.to_string()))
+        simplify_outward(&hull, self.most_vertices)
+            .map_err(|e| DecomposeError::Internal(e.to_string()))
     }
 
     /// The working copy of a hull of the input.
@@ -118,7 +141,11 @@ impl Finish<'_> {
     /// # Errors
     /// [`DecomposeError::Internal`] for a hull without volume.
     pub fn image(&self, hull: &Mesh) -> Result<Mesh, DecomposeError> {
-        let points: Vec<DVec3> = hull.vertices.iter().map(|&p| self.working.work(p)).collect();
+        let points: Vec<DVec3> = hull
+            .vertices
+            .iter()
+            .map(|&p| self.working.work(p))
+            .collect();
         convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))
     }
 }

@@ -10,8 +10,13 @@ use crate::search::trial::Forbidden;
 
 /// Samples on a grid of about `count` cells over the hull's bounding box.
 pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Vec<Forbidden> {
-    let Some(&first) = hull.vertices.first() else { return Vec::new() };
-    let (lo, hi) = hull.vertices.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+    let Some(&first) = hull.vertices.first() else {
+        return Vec::new();
+    };
+    let (lo, hi) = hull
+        .vertices
+        .iter()
+        .fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
     let size = hi - lo;
     let cell = libm::cbrt(size.x * size.y * size.z / count as f64).max(size.max_element() * 1e-3);
     let number = (size / cell).ceil().max(DVec3::ONE);
@@ -50,7 +55,9 @@ pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Ve
                 let point = DVec3::new(x, y, z);
                 // The distance is 1-Lipschitz: what holds here holds for a
                 // stretch of the column.
-                let distance = solid.surface(point).map_or(f64::INFINITY, |n| n.distance2.sqrt());
+                let distance = solid
+                    .surface(point)
+                    .map_or(f64::INFINITY, |n| n.distance2.sqrt());
                 let (free, stretch) = if distance <= epsilon {
                     (false, epsilon - distance)
                 } else if solid.contains(point) {
@@ -62,7 +69,10 @@ pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Ve
                 if free {
                     let mut s = 0.0;
                     while s <= skip && z + s * step.z <= to {
-                        samples.push(Forbidden { point: DVec3::new(x, y, z + s * step.z), weight });
+                        samples.push(Forbidden {
+                            point: DVec3::new(x, y, z + s * step.z),
+                            weight,
+                        });
                         s += 1.0;
                     }
                 }

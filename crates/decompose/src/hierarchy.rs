@@ -21,7 +21,10 @@ use crate::merge::Proved;
 
 /// How close the bounds of coarser levels are brought to one another: they are
 /// read, not searched with.
-const COARSE: Gap = Gap { relative: 0.1, absolute: 1e-4 };
+const COARSE: Gap = Gap {
+    relative: 0.1,
+    absolute: 1e-4,
+};
 
 /// A node: a leaf, or the hull of two earlier nodes.
 #[derive(Clone, Debug)]
@@ -40,11 +43,18 @@ pub struct Node {
 ///
 /// # Errors
 /// [`DecomposeError::Internal`] for hulls without volume.
-pub fn build(finish: &Finish<'_>, leaves: Vec<(Mesh, Proved, Option<Interval>)>) -> Result<Vec<Node>, DecomposeError> {
-    let mut nodes: Vec<Node> =
-        leaves
+pub fn build(
+    finish: &Finish<'_>,
+    leaves: Vec<(Mesh, Proved, Option<Interval>)>,
+) -> Result<Vec<Node>, DecomposeError> {
+    let mut nodes: Vec<Node> = leaves
         .into_iter()
-        .map(|(mesh, proved, concavity)| Node { mesh, proved, concavity, children: None })
+        .map(|(mesh, proved, concavity)| Node {
+            mesh,
+            proved,
+            concavity,
+            children: None,
+        })
         .collect();
     let mut open: Vec<bool> = vec![true; nodes.len()];
     let mut queue: BinaryHeap<Reverse<(u64, u32, u32)>> = BinaryHeap::new();
@@ -76,13 +86,26 @@ pub fn build(finish: &Finish<'_>, leaves: Vec<(Mesh, Proved, Option<Interval>)>)
 }
 
 /// Queue a pair with an estimate from a few points between the two hulls.
-fn offer(solid: &SolidIndex, nodes: &[Node], i: usize, j: usize, queue: &mut BinaryHeap<Reverse<(u64, u32, u32)>>) {
+fn offer(
+    solid: &SolidIndex,
+    nodes: &[Node],
+    i: usize,
+    j: usize,
+    queue: &mut BinaryHeap<Reverse<(u64, u32, u32)>>,
+) {
     let (a, b) = (&nodes[i].proved, &nodes[j].proved);
     let mut estimate = a.thickening.lower.max(b.thickening.lower);
     let pick = |p: &Proved, d: DVec3| {
-        p.hull.vertices.iter().copied().max_by(|x, y| d.dot(*x).total_cmp(&d.dot(*y))).unwrap_or(DVec3::ZERO)
+        p.hull
+            .vertices
+            .iter()
+            .copied()
+            .max_by(|x, y| d.dot(*x).total_cmp(&d.dot(*y)))
+            .unwrap_or(DVec3::ZERO)
     };
-    let middle = |p: &Proved| p.hull.vertices.iter().copied().sum::<DVec3>() / p.hull.vertices.len().max(1) as f64;
+    let middle = |p: &Proved| {
+        p.hull.vertices.iter().copied().sum::<DVec3>() / p.hull.vertices.len().max(1) as f64
+    };
     let (ma, mb) = (middle(a), middle(b));
     let mut probe = |p: DVec3, q: DVec3| {
         for share in [0.25, 0.5, 0.75] {
@@ -90,23 +113,66 @@ fn offer(solid: &SolidIndex, nodes: &[Node], i: usize, j: usize, queue: &mut Bin
         }
     };
     probe(ma, mb);
-    for d in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z] {
+    for d in [
+        DVec3::X,
+        DVec3::Y,
+        DVec3::Z,
+        -DVec3::X,
+        -DVec3::Y,
+        -DVec3::Z,
+    ] {
         probe(pick(a, d), pick(b, d));
     }
     queue.push(Reverse((estimate.to_bits(), i as u32, j as u32)));
 }
 
 /// The joined hull with its bound.
-fn join(finish: &Finish<'_>, nodes: &[Node], children: [u32; 2], estimate: f64) -> Result<Node, DecomposeError> {
+fn join(
+    finish: &Finish<'_>,
+    nodes: &[Node],
+    children: [u32; 2],
+    estimate: f64,
+) -> Result<Node, DecomposeError> {
     let [a, b] = children.map(|c| &nodes[c as usize]);
-    let points: Vec<DVec3> = a.mesh.vertices.iter().chain(&b.mesh.vertices).copied().collect();
-    let mesh = finish.within_budget(convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))?)?;
+    let points: Vec<DVec3> = a
+        .mesh
+        .vertices
+        .iter()
+        .chain(&b.mesh.vertices)
+        .copied()
+        .collect();
+    let mesh = finish.within_budget(
+        convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))?,
+    )?;
     let hull = finish.image(&mesh)?;
-    let known = estimate.max(a.proved.thickening.lower).max(b.proved.thickening.lower);
-    let limits = Limits { cells: finish.cells, ..*finish.judge.limits };
+    let known = estimate
+        .max(a.proved.thickening.lower)
+        .max(b.proved.thickening.lower);
+    let limits = Limits {
+        cells: finish.cells,
+        ..*finish.judge.limits
+    };
     let found = bounds(finish.judge.solid, &hull, COARSE, &limits);
-    let thickening = Interval { lower: found.lower.max(known).min(found.upper), upper: found.upper };
-    let mut members: Vec<u32> = a.proved.members.iter().chain(&b.proved.members).copied().collect();
+    let thickening = Interval {
+        lower: found.lower.max(known).min(found.upper),
+        upper: found.upper,
+    };
+    let mut members: Vec<u32> = a
+        .proved
+        .members
+        .iter()
+        .chain(&b.proved.members)
+        .copied()
+        .collect();
     members.sort_unstable();
-    Ok(Node { mesh, proved: Proved { hull, thickening, members }, concavity: None, children: Some(children) })
+    Ok(Node {
+        mesh,
+        proved: Proved {
+            hull,
+            thickening,
+            members,
+        },
+        concavity: None,
+        children: Some(children),
+    })
 }

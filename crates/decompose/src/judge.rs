@@ -37,7 +37,13 @@ impl Judge<'_> {
     }
 
     /// Eq. 4 of a hull towards its part.
-    pub fn concavity(&self, hull: &Mesh, pieces: &[&Piece], gap: Gap, limits: &Limits<'_>) -> Interval {
+    pub fn concavity(
+        &self,
+        hull: &Mesh,
+        pieces: &[&Piece],
+        gap: Gap,
+        limits: &Limits<'_>,
+    ) -> Interval {
         let part = SolidIndex::new(&close(pieces));
         wei::bounds(&part, hull, gap, limits).value()
     }

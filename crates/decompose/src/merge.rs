@@ -25,7 +25,9 @@ pub struct Proved {
 
 /// Volume of a closed mesh.
 pub fn volume(mesh: &Mesh) -> f64 {
-    let Some(&o) = mesh.vertices.first() else { return 0.0 };
+    let Some(&o) = mesh.vertices.first() else {
+        return 0.0;
+    };
     (0..mesh.triangles.len())
         .map(|t| {
             let [a, b, c] = mesh.corners(t).map(|p| p - o);
@@ -38,7 +40,9 @@ pub fn volume(mesh: &Mesh) -> f64 {
 fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
     mesh.vertices
         .iter()
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)))
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| {
+            (lo.min(p), hi.max(p))
+        })
 }
 
 /// Planes of a hull's faces: `normal · x ≤ offset` inside.
@@ -74,12 +78,18 @@ pub fn merge(
                      boxes: &[(DVec3, DVec3)],
                      witnesses: &[DVec3],
                      queue: &mut BinaryHeap<Reverse<(u64, u32, u32)>>| {
-        let (Some(a), Some(b)) = (&slots[i], &slots[j]) else { return };
-        let gap = (boxes[i].0 - boxes[j].1).max(boxes[j].0 - boxes[i].1).max(DVec3::ZERO);
+        let (Some(a), Some(b)) = (&slots[i], &slots[j]) else {
+            return;
+        };
+        let gap = (boxes[i].0 - boxes[j].1)
+            .max(boxes[j].0 - boxes[i].1)
+            .max(DVec3::ZERO);
         if gap.length() > 2.0 * epsilon {
             return;
         }
-        let Some(hull) = joined(&a.hull, &b.hull) else { return };
+        let Some(hull) = joined(&a.hull, &b.hull) else {
+            return;
+        };
         if holds_any(&hull, witnesses) {
             return;
         }
@@ -101,8 +111,12 @@ pub fn merge(
             break;
         }
         let (i, j) = (i as usize, j as usize);
-        let (Some(a), Some(b)) = (&slots[i], &slots[j]) else { continue };
-        let Some(hull) = joined(&a.hull, &b.hull) else { continue };
+        let (Some(a), Some(b)) = (&slots[i], &slots[j]) else {
+            continue;
+        };
+        let Some(hull) = joined(&a.hull, &b.hull) else {
+            continue;
+        };
         if holds_any(&hull, witnesses) {
             continue;
         }
@@ -115,13 +129,19 @@ pub fn merge(
                 slots[j] = None;
                 volumes.push(volume(&hull));
                 boxes.push(bounds(&hull));
-                slots.push(Some(Proved { hull, thickening, members }));
+                slots.push(Some(Proved {
+                    hull,
+                    thickening,
+                    members,
+                }));
                 let new = slots.len() - 1;
                 for other in 0..new {
                     candidate(other, new, &slots, &volumes, &boxes, witnesses, &mut queue);
                 }
             }
-            Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => witnesses.push(witness),
+            Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => {
+                witnesses.push(witness)
+            }
             Decision::Beyond { .. } | Decision::Unproven(_) => {}
         }
     }
@@ -136,7 +156,7 @@ fn joined(a: &Mesh, b: &Mesh) -> Option<Mesh> {
 fn holds_any(hull: &Mesh, witnesses: &[DVec3]) -> bool {
     let (lo, hi) = bounds(hull);
     let planes = half_spaces(hull);
-    witnesses
-        .iter()
-        .any(|w| w.cmpge(lo).all() && w.cmple(hi).all() && planes.iter().all(|(n, o)| n.dot(*w) < *o))
+    witnesses.iter().any(|w| {
+        w.cmpge(lo).all() && w.cmple(hi).all() && planes.iter().all(|(n, o)| n.dot(*w) < *o)
+    })
 }

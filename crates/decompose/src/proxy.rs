@@ -23,7 +23,15 @@ impl Quadric {
     fn plane(normal: DVec3, offset: f64, weight: f64) -> Self {
         let n = normal;
         Quadric {
-            a: [n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z].map(|x| x * weight),
+            a: [
+                n.x * n.x,
+                n.x * n.y,
+                n.x * n.z,
+                n.y * n.y,
+                n.y * n.z,
+                n.z * n.z,
+            ]
+            .map(|x| x * weight),
             b: n * (offset * weight),
             c: offset * offset * weight,
         }
@@ -31,7 +39,11 @@ impl Quadric {
 
     /// Distance to the point `p`, which keeps flat neighbourhoods well posed.
     fn point(p: DVec3, weight: f64) -> Self {
-        Quadric { a: [weight, 0.0, 0.0, weight, 0.0, weight], b: p * weight, c: p.length_squared() * weight }
+        Quadric {
+            a: [weight, 0.0, 0.0, weight, 0.0, weight],
+            b: p * weight,
+            c: p.length_squared() * weight,
+        }
     }
 
     fn add(&mut self, other: &Quadric) {
@@ -81,7 +93,11 @@ impl Collapse {
             let [a, b, c] = mesh.corners(t);
             let normal = (b - a).cross(c - a);
             let area = normal.length();
-            let mut quadric = Quadric::plane(normal.normalize_or_zero(), normal.normalize_or_zero().dot(a), area);
+            let mut quadric = Quadric::plane(
+                normal.normalize_or_zero(),
+                normal.normalize_or_zero().dot(a),
+                area,
+            );
             quadric.add(&Quadric::point((a + b + c) / 3.0, 1e-6 * area));
             for &v in corners {
                 around[v as usize].push(t as u32);
@@ -128,7 +144,13 @@ impl Collapse {
 
     fn offer(&mut self, u: u32, v: u32) {
         let (_, cost) = self.target(u, v);
-        self.queue.push(Reverse((cost.to_bits(), u, v, self.stamp[u as usize], self.stamp[v as usize])));
+        self.queue.push(Reverse((
+            cost.to_bits(),
+            u,
+            v,
+            self.stamp[u as usize],
+            self.stamp[v as usize],
+        )));
     }
 
     /// Whether moving `u` to `p` would turn over a triangle that stays.
@@ -148,7 +170,9 @@ impl Collapse {
 
     fn run(&mut self, target: usize) {
         while self.count > target {
-            let Some(Reverse((_, u, v, su, sv))) = self.queue.pop() else { break };
+            let Some(Reverse((_, u, v, su, sv))) = self.queue.pop() else {
+                break;
+            };
             if self.stamp[u as usize] != su || self.stamp[v as usize] != sv {
                 continue;
             }
@@ -218,7 +242,11 @@ impl Collapse {
 /// Stand-ins with about `sizes` triangles (decreasing), coarsest first; sizes
 /// that the mesh does not clearly exceed are left out.
 pub fn ladder(mesh: &Mesh, sizes: &[usize]) -> Vec<Mesh> {
-    let wanted: Vec<usize> = sizes.iter().copied().filter(|&s| mesh.triangles.len() > s + s / 3).collect();
+    let wanted: Vec<usize> = sizes
+        .iter()
+        .copied()
+        .filter(|&s| mesh.triangles.len() > s + s / 3)
+        .collect();
     if wanted.is_empty() {
         return Vec::new();
     }
@@ -261,8 +289,10 @@ mod tests {
             mesh.triangles.push([0, at(1, j), at(1, j + 1)]);
             mesh.triangles.push([last, at(n - 1, j + 1), at(n - 1, j)]);
             for i in 1..n - 1 {
-                mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-                mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+                mesh.triangles
+                    .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                mesh.triangles
+                    .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
             }
         }
         mesh

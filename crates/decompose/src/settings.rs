@@ -145,12 +145,25 @@ impl SearchSettings {
     #[must_use]
     pub fn variant(&self, k: usize) -> SearchSettings {
         let grids = [0, 3, 1, 4, 2, 6, 5, 7];
-        let norms = [None, None, Some(Norm::Sum(1.3)), None, Some(Norm::Worst), None, None, None];
+        let norms = [
+            None,
+            None,
+            Some(Norm::Sum(1.3)),
+            None,
+            Some(Norm::Worst),
+            None,
+            None,
+            None,
+        ];
         SearchSettings {
             planes: self.planes + grids[k % grids.len()],
             second: self.second + k % 3,
             norm: norms[k % norms.len()].unwrap_or(self.norm),
-            excess: if k % 4 == 3 { 0.3 * self.excess } else { self.excess },
+            excess: if k % 4 == 3 {
+                0.3 * self.excess
+            } else {
+                self.excess
+            },
             ..self.clone()
         }
     }
@@ -161,7 +174,9 @@ impl SearchSettings {
     /// A sentence that names the parameter or the value that does not fit.
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), String> {
         fn number<T: std::str::FromStr>(name: &str, value: &str) -> Result<T, String> {
-            value.parse().map_err(|_| format!("parameter '{name}': '{value}' is not a number that fits"))
+            value
+                .parse()
+                .map_err(|_| format!("parameter '{name}': '{value}' is not a number that fits"))
         }
         fn choice<T>(name: &str, value: &str, known: Option<T>, all: &str) -> Result<T, String> {
             known.ok_or_else(|| format!("parameter '{name}': '{value}' is none of {all}"))
@@ -184,7 +199,11 @@ impl SearchSettings {
                 self.policy = choice(name, value, known, "greedy, lookahead")?;
             }
             "norm" => {
-                self.norm = if value == "worst" { Norm::Worst } else { Norm::Sum(number(name, value)?) };
+                self.norm = if value == "worst" {
+                    Norm::Worst
+                } else {
+                    Norm::Sum(number(name, value)?)
+                };
             }
             "frame" => {
                 let known = match value {

@@ -22,7 +22,9 @@ pub struct Working {
 }
 
 fn order(a: &DVec3, b: &DVec3) -> std::cmp::Ordering {
-    a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
+    a.x.total_cmp(&b.x)
+        .then(a.y.total_cmp(&b.y))
+        .then(a.z.total_cmp(&b.z))
 }
 
 impl Working {
@@ -31,7 +33,9 @@ impl Working {
         let (lo, hi) = mesh
             .vertices
             .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| {
+                (lo.min(p), hi.max(p))
+            });
         let centre = lo + 0.5 * (hi - lo);
         let half = (0.5 * (hi - lo)).max_element();
         // The power of two that brings half the longest side into (1/2, 1].
@@ -43,13 +47,29 @@ impl Working {
             // One zero, so that equal points have equal keys.
             q + DVec3::ZERO
         };
-        let mut work =
-            Mesh { vertices: mesh.vertices.iter().map(|&p| place(p)).collect(), triangles: mesh.triangles.clone() };
+        let mut work = Mesh {
+            vertices: mesh.vertices.iter().map(|&p| place(p)).collect(),
+            triangles: mesh.triangles.clone(),
+        };
         let moved = if turned { snap(&mut work) / scale } else { 0.0 };
-        let mut known: Vec<(DVec3, DVec3)> = work.vertices.iter().copied().zip(mesh.vertices.iter().copied()).collect();
+        let mut known: Vec<(DVec3, DVec3)> = work
+            .vertices
+            .iter()
+            .copied()
+            .zip(mesh.vertices.iter().copied())
+            .collect();
         known.sort_by(|a, b| order(&a.0, &b.0));
         let rounding = moved + 16.0 * f64::EPSILON * lo.abs().max(hi.abs()).max_element();
-        (Working { centre, scale, work_from_input, known, rounding }, work)
+        (
+            Working {
+                centre,
+                scale,
+                work_from_input,
+                known,
+                rounding,
+            },
+            work,
+        )
     }
 
     /// A working length from an input length.

@@ -24,13 +24,19 @@ pub fn mesh(
         let mut corners = [0u32; 3];
         for (corner, &v) in corners.iter_mut().zip(row) {
             if v < 0 || v >= count || v > i64::from(u32::MAX) {
-                return Err(mesh_error(py, &format!("face names vertex {v}, but the mesh has {count}")));
+                return Err(mesh_error(
+                    py,
+                    &format!("face names vertex {v}, but the mesh has {count}"),
+                ));
             }
             *corner = v as u32;
         }
         triangles.push(corners);
     }
-    Ok(Mesh { vertices, triangles })
+    Ok(Mesh {
+        vertices,
+        triangles,
+    })
 }
 
 /// (n, 3) float64 to points.
@@ -39,7 +45,11 @@ pub fn points(py: Python<'_>, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec
     if array.ncols() != 3 {
         return Err(mesh_error(py, "vertices must have shape (n, 3)"));
     }
-    Ok(array.rows().into_iter().map(|r| DVec3::new(r[0], r[1], r[2])).collect())
+    Ok(array
+        .rows()
+        .into_iter()
+        .map(|r| DVec3::new(r[0], r[1], r[2]))
+        .collect())
 }
 
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);

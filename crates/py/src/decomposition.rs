@@ -45,13 +45,22 @@ pub fn decompose<'py>(
 ) -> PyResult<(Vec<HullTuple<'py>>, usize)> {
     let solid = mesh(py, &vertices, &faces)?;
     let settings = read_settings(py, settings)?;
-    let result = watch::run(py, on_progress.as_ref(), |control| core::decompose(&solid, epsilon, &settings, threads, control))?;
+    let result = watch::run(py, on_progress.as_ref(), |control| {
+        core::decompose(&solid, epsilon, &settings, threads, control)
+    })?;
     let Decomposition { hulls, leaves } = result.map_err(|e| decompose_error(py, &e))?;
     let hulls = hulls
         .iter()
         .map(|h| {
             let (v, f) = arrays(py, &h.mesh);
-            (v, f, h.volume, pair(h.thickening), h.concavity.map(pair), h.children.map(|c| (c[0], c[1])))
+            (
+                v,
+                f,
+                h.volume,
+                pair(h.thickening),
+                h.concavity.map(pair),
+                h.children.map(|c| (c[0], c[1])),
+            )
         })
         .collect();
     Ok((hulls, leaves))
@@ -61,8 +70,14 @@ fn read_settings(py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<SearchSe
     let mut settings = SearchSettings::default();
     for (key, value) in given {
         let key: String = key.extract()?;
-        let text = if let Ok(text) = value.extract::<String>() { text } else { value.str()?.to_string() };
-        settings.set(&key, &text).map_err(|message| usage_error(py, &message))?;
+        let text = if let Ok(text) = value.extract::<String>() {
+            text
+        } else {
+            value.str()?.to_string()
+        };
+        settings
+            .set(&key, &text)
+            .map_err(|message| usage_error(py, &message))?;
     }
     Ok(settings)
 }
@@ -88,10 +103,19 @@ pub fn thickening<'py>(
     }
     let result = watch::run(py, on_progress.as_ref(), |control| {
         let cancelled = || control.is_cancelled();
-        let limits = Limits { cells: 1_000_000, cancelled: &cancelled };
+        let limits = Limits {
+            cells: 1_000_000,
+            cancelled: &cancelled,
+        };
         let index = SolidIndex::new(&solid);
-        let gap = Gap { relative: 0.005, absolute: 1e-9 * index.bvh().bounds().diagonal() };
-        meshes.iter().map(|hull| pair(bounds(&index, hull, gap, &limits))).collect::<Vec<_>>()
+        let gap = Gap {
+            relative: 0.005,
+            absolute: 1e-9 * index.bvh().bounds().diagonal(),
+        };
+        meshes
+            .iter()
+            .map(|hull| pair(bounds(&index, hull, gap, &limits)))
+            .collect::<Vec<_>>()
     })?;
     Ok(result)
 }

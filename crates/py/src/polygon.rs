@@ -80,8 +80,16 @@ pub fn decompose_polygon(
         "medial" => HoleAxis::Medial,
         other => return Err(usage_error(py, &format!("hole axis '{other}' not found"))),
     };
-    let weights = DiagonalWeights { concavity: weights.0, distance: weights.1 };
-    let parameters = Parameters { tolerance, measure, hole_axis, weights };
+    let weights = DiagonalWeights {
+        concavity: weights.0,
+        distance: weights.1,
+    };
+    let parameters = Parameters {
+        tolerance,
+        measure,
+        hole_axis,
+        weights,
+    };
     guarded(py, || decompose(&rings, &parameters)).map(PolygonHierarchy)
 }
 
@@ -111,7 +119,11 @@ pub fn polygon_kernel<'py>(
     let ring = points(py, &[ring])?.remove(0);
     let (kernel, distances) = guarded(py, || {
         let kernel = kernel(&ring);
-        let walk = if kernel.is_empty() { Vec::new() } else { distance_to_kernel(&ring, &kernel) };
+        let walk = if kernel.is_empty() {
+            Vec::new()
+        } else {
+            distance_to_kernel(&ring, &kernel)
+        };
         Ok((kernel, walk.into_iter().map(|(d, _)| d).collect()))
     })?;
     Ok((array(py, &kernel), distances))
@@ -173,19 +185,29 @@ pub fn hv_convex_pixels<'py>(
 ) -> PyResult<(Image<'py, bool>, Vec<usize>, bool)> {
     let shape = pixels(&shape);
     let found = guarded(py, || Ok(hv::largest_hv_convex(&shape, steps)))?;
-    Ok((image(py, shape.width, found.pixels.inside), found.regions, found.optimal))
+    Ok((
+        image(py, shape.width, found.pixels.inside),
+        found.regions,
+        found.optimal,
+    ))
 }
 
 fn pixels(shape: &PyReadonlyArray2<'_, bool>) -> Pixels {
     let shape = shape.as_array();
-    Pixels { width: shape.ncols(), inside: shape.iter().copied().collect() }
+    Pixels {
+        width: shape.ncols(),
+        inside: shape.iter().copied().collect(),
+    }
 }
 
 fn neighbours(py: Python<'_>, connectivity: u8) -> PyResult<Connectivity> {
     match connectivity {
         4 => Ok(Connectivity::Four),
         8 => Ok(Connectivity::Eight),
-        other => Err(usage_error(py, &format!("connectivity must be 4 or 8, got {other}"))),
+        other => Err(usage_error(
+            py,
+            &format!("connectivity must be 4 or 8, got {other}"),
+        )),
     }
 }
 
@@ -193,7 +215,9 @@ fn image<'py, T: numpy::Element>(py: Python<'py>, width: usize, values: Vec<T>) 
     let height = values.len().checked_div(width).unwrap_or(0);
     let rows: Vec<Vec<T>> = {
         let mut values = values.into_iter();
-        (0..height).map(|_| values.by_ref().take(width).collect()).collect()
+        (0..height)
+            .map(|_| values.by_ref().take(width).collect())
+            .collect()
     };
     PyArray2::from_vec2(py, &rows).unwrap_or_else(|_| PyArray2::zeros(py, [0, width], false))
 }
@@ -219,7 +243,11 @@ fn points(py: Python<'_>, rings: &[PyReadonlyArray2<'_, f64>]) -> PyResult<Vec<V
             if ring.ncols() != 2 {
                 return Err(usage_error(py, "a ring must have shape (n, 2)"));
             }
-            Ok(ring.rows().into_iter().map(|row| Point::new(row[0], row[1])).collect())
+            Ok(ring
+                .rows()
+                .into_iter()
+                .map(|row| Point::new(row[0], row[1]))
+                .collect())
         })
         .collect()
 }

@@ -25,13 +25,18 @@ pub fn run<T: Send>(
     let mut stopped: Option<PyErr> = None;
     let outcome = std::thread::scope(|scope| {
         let control = &control;
-        let worker = std::thread::Builder::new().stack_size(64 << 20).spawn_scoped(scope, move || {
-            let outcome = catch_unwind(AssertUnwindSafe(|| work(control)));
-            // The receiver outlives the scope.
-            let _ = send.send(outcome);
-        });
+        let worker = std::thread::Builder::new()
+            .stack_size(64 << 20)
+            .spawn_scoped(scope, move || {
+                let outcome = catch_unwind(AssertUnwindSafe(|| work(control)));
+                // The receiver outlives the scope.
+                let _ = send.send(outcome);
+            });
         if let Err(error) = worker {
-            return Err(engine_error(py, &format!("no thread could be started: {error}")));
+            return Err(engine_error(
+                py,
+                &format!("no thread could be started: {error}"),
+            ));
         }
         // A channel's end is not Sync; the wait owns it and gives it back.
         let mut receive = receive;
@@ -41,7 +46,10 @@ pub fn run<T: Send>(
             match answer {
                 Ok(outcome) => return Ok(outcome),
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(engine_error(py, "the engine's thread ended without a result"));
+                    return Err(engine_error(
+                        py,
+                        "the engine's thread ended without a result",
+                    ));
                 }
                 Err(RecvTimeoutError::Timeout) if stopped.is_none() => {
                     let asked = py.check_signals().and_then(|()| ask(on_progress, control));
@@ -67,13 +75,18 @@ pub fn run<T: Send>(
             .map(String::as_str)
             .or_else(|| panic.downcast_ref::<&str>().copied())
             .unwrap_or("unknown");
-        engine_error(py, &format!("the engine failed: {text}; please report it with this mesh"))
+        engine_error(
+            py,
+            &format!("the engine failed: {text}; please report it with this mesh"),
+        )
     })
 }
 
 /// Whether the caller wants to go on.
 fn ask(on_progress: Option<&Bound<'_, PyAny>>, control: &Control) -> PyResult<bool> {
-    let Some(callback) = on_progress else { return Ok(true) };
+    let Some(callback) = on_progress else {
+        return Ok(true);
+    };
     let answer = callback.call1((control.progress(),))?;
     Ok(answer.is_none() || answer.is_truthy()?)
 }

@@ -64,7 +64,10 @@ pub fn choose(mesh: &Mesh) -> DMat3 {
 
 /// One of a normal and its opposite.
 fn canonical(n: DVec3) -> DVec3 {
-    let first = [n.z, n.y, n.x].into_iter().find(|x| x.abs() > 1e-6).unwrap_or(0.0);
+    let first = [n.z, n.y, n.x]
+        .into_iter()
+        .find(|x| x.abs() > 1e-6)
+        .unwrap_or(0.0);
     if first < 0.0 {
         -n
     } else {
@@ -82,7 +85,11 @@ fn frame(first: DVec3, second: DVec3) -> DMat3 {
 /// Area whose normal is along an axis of the frame.
 fn aligned(faces: &[(DVec3, f64)], frame: DMat3) -> f64 {
     let axes = [frame.row(0), frame.row(1), frame.row(2)];
-    faces.iter().filter(|(n, _)| axes.iter().any(|a| a.dot(*n).abs() > ALIGNED)).map(|f| f.1).sum()
+    faces
+        .iter()
+        .filter(|(n, _)| axes.iter().any(|a| a.dot(*n).abs() > ALIGNED))
+        .map(|f| f.1)
+        .sum()
 }
 
 /// Mean normal and area of the largest groups of almost equal normals.
@@ -128,8 +135,12 @@ pub fn snap(mesh: &mut Mesh) -> f64 {
                 }
             }
         }
-        let mut order: Vec<u32> = (0..mesh.vertices.len() as u32).filter(|&v| flat[v as usize]).collect();
-        order.sort_by(|&a, &b| mesh.vertices[a as usize][axis].total_cmp(&mesh.vertices[b as usize][axis]));
+        let mut order: Vec<u32> = (0..mesh.vertices.len() as u32)
+            .filter(|&v| flat[v as usize])
+            .collect();
+        order.sort_by(|&a, &b| {
+            mesh.vertices[a as usize][axis].total_cmp(&mesh.vertices[b as usize][axis])
+        });
         let mut anchor = f64::NEG_INFINITY;
         for v in order {
             let x = &mut mesh.vertices[v as usize][axis];
@@ -152,7 +163,11 @@ mod tests {
         let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
         let corners: Vec<DVec3> = (0..8u32)
             .map(|i| {
-                turn * DVec3::new(f64::from(i & 1) * 3.0, f64::from(i >> 1 & 1) * 2.0, f64::from(i >> 2))
+                turn * DVec3::new(
+                    f64::from(i & 1) * 3.0,
+                    f64::from(i >> 1 & 1) * 2.0,
+                    f64::from(i >> 2),
+                )
             })
             .collect();
         let mesh = convex_hull(&corners).unwrap();
@@ -163,7 +178,13 @@ mod tests {
             let n = frame * (b - a).cross(c - a).normalize();
             assert!((n.abs().max_element() - 1.0).abs() < 1e-9);
         }
-        let straight = convex_hull(&corners.iter().map(|&p| turn.transpose() * p).collect::<Vec<_>>()).unwrap();
+        let straight = convex_hull(
+            &corners
+                .iter()
+                .map(|&p| turn.transpose() * p)
+                .collect::<Vec<_>>(),
+        )
+        .unwrap();
         assert_eq!(choose(&straight), DMat3::IDENTITY);
     }
 }

@@ -42,17 +42,23 @@ pub struct Choice {
 
 /// Extent of points along a direction.
 pub fn extent(points: &[DVec3], w: DVec3) -> (f64, f64) {
-    points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
-        let z = w.dot(*p);
-        (lo.min(z), hi.max(z))
-    })
+    points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
+            let z = w.dot(*p);
+            (lo.min(z), hi.max(z))
+        })
 }
 
 /// `count` inner points of an interval, with `extra` ones sorted in.
 fn grid(lo: f64, hi: f64, count: usize, extra: &[f64]) -> Vec<f64> {
     let step = (hi - lo) / (count + 1) as f64;
     let margin = (hi - lo) * 1e-4;
-    let mut offsets: Vec<f64> = extra.iter().copied().filter(|&t| t > lo + margin && t < hi - margin).collect();
+    let mut offsets: Vec<f64> = extra
+        .iter()
+        .copied()
+        .filter(|&t| t > lo + margin && t < hi - margin)
+        .collect();
     for i in 1..=count {
         let t = lo + step * i as f64;
         if extra.iter().all(|&e| (e - t).abs() > 0.1 * step) {
@@ -93,7 +99,8 @@ fn sweep_here(
     forbidden: &[Forbidden],
     slack: f64,
 ) -> Sweep {
-    SCRATCH.with_borrow_mut(|scratch| sweep(piece, edges, basis, offsets, forbidden, slack, scratch))
+    SCRATCH
+        .with_borrow_mut(|scratch| sweep(piece, edges, basis, offsets, forbidden, slack, scratch))
 }
 
 impl<'a> Lookahead<'a> {
@@ -103,10 +110,20 @@ impl<'a> Lookahead<'a> {
         Lookahead { question, value }
     }
 
-    fn sweeps(&self, piece: &Piece, forbidden: &[Forbidden], count: usize, extra: &[Vec<f64>]) -> Vec<Sweep> {
+    fn sweeps(
+        &self,
+        piece: &Piece,
+        forbidden: &[Forbidden],
+        count: usize,
+        extra: &[Vec<f64>],
+    ) -> Vec<Sweep> {
         let q = self.question;
         let edges: Vec<(u32, u32)> = piece.edges().collect();
-        let extents: Vec<(f64, f64)> = q.directions.iter().map(|b| extent(&piece.points, b.w)).collect();
+        let extents: Vec<(f64, f64)> = q
+            .directions
+            .iter()
+            .map(|b| extent(&piece.points, b.w))
+            .collect();
         let thin = |(lo, hi): (f64, f64)| hi - lo < q.settings.thinnest * q.epsilon;
         let all_thin = extents.iter().all(|&e| thin(e));
         q.directions
@@ -114,12 +131,23 @@ impl<'a> Lookahead<'a> {
             .enumerate()
             .map(|(d, basis)| {
                 let (lo, hi) = extents[d];
-                let number = if thin((lo, hi)) && !all_thin { 0 } else { count };
+                let number = if thin((lo, hi)) && !all_thin {
+                    0
+                } else {
+                    count
+                };
                 let offsets = grid(lo, hi, number, &extra[d]);
                 if offsets.is_empty() {
                     return Sweep::default();
                 }
-                sweep_here(piece, &edges, basis, &offsets, forbidden, q.settings.section * q.epsilon)
+                sweep_here(
+                    piece,
+                    &edges,
+                    basis,
+                    &offsets,
+                    forbidden,
+                    q.settings.section * q.epsilon,
+                )
             })
             .collect()
     }
@@ -135,11 +163,20 @@ impl<'a> Lookahead<'a> {
                     continue;
                 }
                 let (below, above) = (self.value.cost(&t.below), self.value.cost(&t.above));
-                firsts.push(First { direction, trial, below, above, value: self.value.join(below, above) });
+                firsts.push(First {
+                    direction,
+                    trial,
+                    below,
+                    above,
+                    value: self.value.join(below, above),
+                });
             }
         }
         firsts.sort_by(|a, b| {
-            a.value.total_cmp(&b.value).then(a.direction.cmp(&b.direction)).then(a.trial.cmp(&b.trial))
+            a.value
+                .total_cmp(&b.value)
+                .then(a.direction.cmp(&b.direction))
+                .then(a.trial.cmp(&b.trial))
         });
         let choice = |f: &First, value: f64| Choice {
             direction: f.direction,
@@ -156,28 +193,39 @@ impl<'a> Lookahead<'a> {
                 .into_par_iter()
                 .map(|first| {
                     let below_is_worse = first.below >= first.above;
-                    let (child, forbidden) = child(q, &sweeps[first.direction], first, below_is_worse);
+                    let (child, forbidden) =
+                        child(q, &sweeps[first.direction], first, below_is_worse);
                     let other = first.below.min(first.above);
                     let second = self.second(&child, &forbidden, other);
-                    let (step, value) = second.map_or((None, first.value), |(d, t, v)| (Some((d, t)), v));
+                    let (step, value) =
+                        second.map_or((None, first.value), |(d, t, v)| (Some((d, t)), v));
                     let spacing = spacing(&sweeps[first.direction], first.trial);
                     (choice(first, first.value + value), step, spacing)
                 })
                 .collect();
         // The first of equals: the order is that of the first step.
-        let best = expanded.into_iter().reduce(|a, b| if b.0.value < a.0.value { b } else { a });
+        let best = expanded
+            .into_iter()
+            .reduce(|a, b| if b.0.value < a.0.value { b } else { a });
         let (choice, step, spacing) = best?;
         Some(self.refine(choice, step, spacing))
     }
 
     /// The best cut of a child: (direction, offset, value with the other part).
-    fn second(&self, child: &Piece, forbidden: &[Forbidden], other: f64) -> Option<(usize, f64, f64)> {
+    fn second(
+        &self,
+        child: &Piece,
+        forbidden: &[Forbidden],
+        other: f64,
+    ) -> Option<(usize, f64, f64)> {
         let count = self.question.settings.second;
         let sweeps = self.sweeps(child, forbidden, count, self.question.extra_second);
         let mut best: Option<(usize, f64, f64)> = None;
         for (direction, sweep) in sweeps.iter().enumerate() {
             for t in &sweep.trials {
-                let parts = self.value.join(self.value.cost(&t.below), self.value.cost(&t.above));
+                let parts = self
+                    .value
+                    .join(self.value.cost(&t.below), self.value.cost(&t.above));
                 let value = self.value.join(other, parts);
                 if best.is_none_or(|b| value < b.2) {
                     best = Some((direction, t.offset, value));
@@ -213,17 +261,29 @@ impl<'a> Lookahead<'a> {
                 if value > best.value {
                     continue;
                 }
-                let first = First { direction: choice.direction, trial, below, above, value };
+                let first = First {
+                    direction: choice.direction,
+                    trial,
+                    below,
+                    above,
+                    value,
+                };
                 let (piece, forbidden) = child(q, &result, &first, below >= above);
                 let edges: Vec<(u32, u32)> = piece.edges().collect();
                 let basis = &q.directions[direction];
                 let next = sweep_here(&piece, &edges, basis, &[offset], &forbidden, slack);
                 let t = &next.trials[0];
-                let parts = self.value.join(self.value.cost(&t.below), self.value.cost(&t.above));
+                let parts = self
+                    .value
+                    .join(self.value.cost(&t.below), self.value.cost(&t.above));
                 value += self.value.join(below.min(above), parts);
             }
             if value < best.value {
-                best = Choice { offset: t.offset, value, ..choice };
+                best = Choice {
+                    offset: t.offset,
+                    value,
+                    ..choice
+                };
             }
         }
         best
@@ -250,7 +310,12 @@ fn promising(sorted: &[First], expand: usize, quota: usize) -> Vec<&First> {
             count += 1;
         }
     }
-    sorted.iter().zip(chosen).filter(|(_, c)| *c).map(|(f, _)| f).collect()
+    sorted
+        .iter()
+        .zip(chosen)
+        .filter(|(_, c)| *c)
+        .map(|(f, _)| f)
+        .collect()
 }
 
 fn empty(side: &Side) -> bool {
@@ -262,15 +327,35 @@ fn spacing(sweep: &Sweep, trial: usize) -> (f64, f64) {
     let at = |i: usize| sweep.trials[i].offset;
     let here = at(trial);
     let last = sweep.trials.len() - 1;
-    let down = if trial > 0 { here - at(trial - 1) } else { f64::INFINITY };
-    let up = if trial < last { at(trial + 1) - here } else { f64::INFINITY };
-    let (down, up) = if down.is_finite() || up.is_finite() { (down.min(up), up.min(down)) } else { (0.0, 0.0) };
+    let down = if trial > 0 {
+        here - at(trial - 1)
+    } else {
+        f64::INFINITY
+    };
+    let up = if trial < last {
+        at(trial + 1) - here
+    } else {
+        f64::INFINITY
+    };
+    let (down, up) = if down.is_finite() || up.is_finite() {
+        (down.min(up), up.min(down))
+    } else {
+        (0.0, 0.0)
+    };
     (here - down, here + up)
 }
 
 /// One side of a first cut, with the forbidden samples its hull holds.
-fn child(q: &Question<'_>, sweep: &Sweep, first: &First, want_below: bool) -> (Piece, Vec<Forbidden>) {
-    let plane = Plane { normal: q.directions[first.direction].w, offset: sweep.trials[first.trial].offset };
+fn child(
+    q: &Question<'_>,
+    sweep: &Sweep,
+    first: &First,
+    want_below: bool,
+) -> (Piece, Vec<Forbidden>) {
+    let plane = Plane {
+        normal: q.directions[first.direction].w,
+        offset: sweep.trials[first.trial].offset,
+    };
     let (below, above) = q.piece.split(plane);
     let k = first.trial as u32;
     let held = |i: usize| {
@@ -280,6 +365,12 @@ fn child(q: &Question<'_>, sweep: &Sweep, first: &First, want_below: bool) -> (P
             sweep.leaves_above[i] > k
         }
     };
-    let forbidden = q.forbidden.iter().enumerate().filter(|(i, _)| held(*i)).map(|(_, f)| *f).collect();
+    let forbidden = q
+        .forbidden
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| held(*i))
+        .map(|(_, f)| *f)
+        .collect();
     (if want_below { below } else { above }, forbidden)
 }

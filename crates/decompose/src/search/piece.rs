@@ -40,7 +40,11 @@ fn side(h: f64) -> i8 {
 
 impl From<&Mesh> for Piece {
     fn from(mesh: &Mesh) -> Self {
-        Piece { points: mesh.vertices.clone(), triangles: mesh.triangles.clone(), caps: Vec::new() }
+        Piece {
+            points: mesh.vertices.clone(),
+            triangles: mesh.triangles.clone(),
+            caps: Vec::new(),
+        }
     }
 }
 
@@ -53,7 +57,10 @@ struct Half {
 
 impl Half {
     fn new(points: usize) -> Self {
-        Half { piece: Piece::default(), index: vec![u32::MAX; points] }
+        Half {
+            piece: Piece::default(),
+            index: vec![u32::MAX; points],
+        }
     }
 
     fn old(&mut self, whole: &Piece, v: u32) -> u32 {
@@ -88,27 +95,39 @@ impl Piece {
         let Some(&first) = self.points.first() else {
             return (DVec3::ZERO, DVec3::ZERO);
         };
-        self.points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
+        self.points
+            .iter()
+            .fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
     }
 
     /// Every directed edge (u, v) with u < v of triangles and borders: each
     /// undirected edge of the closed chain once.
     pub fn edges(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
-        let triangles = self.triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
-        let caps = self.caps.iter().flat_map(|c| c.border.iter().map(|s| (s[0], s[1])));
+        let triangles = self
+            .triangles
+            .iter()
+            .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+        let caps = self
+            .caps
+            .iter()
+            .flat_map(|c| c.border.iter().map(|s| (s[0], s[1])));
         triangles.chain(caps).filter(|&(u, v)| u < v)
     }
 
     /// Signed volume.
     pub fn volume(&self) -> f64 {
-        let Some(&o) = self.points.first() else { return 0.0 };
+        let Some(&o) = self.points.first() else {
+            return 0.0;
+        };
         let at = |v: u32| self.points[v as usize] - o;
         let mut six = 0.0;
         for t in &self.triangles {
             six += at(t[0]).dot(at(t[1]).cross(at(t[2])));
         }
         for cap in &self.caps {
-            let Some(first) = cap.border.first() else { continue };
+            let Some(first) = cap.border.first() else {
+                continue;
+            };
             let apex = at(first[0]);
             for s in &cap.border {
                 six += apex.dot(at(s[0]).cross(at(s[1])));
@@ -122,7 +141,11 @@ impl Piece {
     /// A triangle in the plane goes to neither side's surface: the cap of the
     /// side that holds solid there replaces it.
     pub fn split(&self, plane: Plane) -> (Piece, Piece) {
-        let heights: Vec<f64> = self.points.iter().map(|p| plane.normal.dot(*p) - plane.offset).collect();
+        let heights: Vec<f64> = self
+            .points
+            .iter()
+            .map(|p| plane.normal.dot(*p) - plane.offset)
+            .collect();
         let sides: Vec<i8> = heights.iter().map(|&h| side(h)).collect();
         let mut below = Half::new(self.points.len());
         let mut above = Half::new(self.points.len());
@@ -132,7 +155,11 @@ impl Piece {
             .triangles
             .iter()
             .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])])
-            .chain(self.caps.iter().flat_map(|c| c.border.iter().map(|s| (s[0], s[1]))))
+            .chain(
+                self.caps
+                    .iter()
+                    .flat_map(|c| c.border.iter().map(|s| (s[0], s[1]))),
+            )
             .filter(|&(a, b)| sides[a as usize] * sides[b as usize] < 0)
             .map(|(a, b)| (a.min(b), a.max(b)))
             .collect();
@@ -146,7 +173,12 @@ impl Piece {
                     let p = self.points[a as usize].lerp(self.points[b as usize], ha / (ha - hb));
                     below.piece.points.push(p);
                     above.piece.points.push(p);
-                    (a, b, below.piece.points.len() as u32 - 1, above.piece.points.len() as u32 - 1)
+                    (
+                        a,
+                        b,
+                        below.piece.points.len() as u32 - 1,
+                        above.piece.points.len() as u32 - 1,
+                    )
                 })
                 .collect(),
         };
@@ -196,14 +228,31 @@ impl Piece {
             }
         }
         for cap in &self.caps {
-            split_cap(self, cap, plane, &sides, &crossings, (&mut below, &mut above), (&mut border_below, &mut border_above));
+            split_cap(
+                self,
+                cap,
+                plane,
+                &sides,
+                &crossings,
+                (&mut below, &mut above),
+                (&mut border_below, &mut border_above),
+            );
         }
-        let flipped = Plane { normal: -plane.normal, offset: -plane.offset };
+        let flipped = Plane {
+            normal: -plane.normal,
+            offset: -plane.offset,
+        };
         if !border_below.is_empty() {
-            below.piece.caps.push(Cap { plane, border: border_below });
+            below.piece.caps.push(Cap {
+                plane,
+                border: border_below,
+            });
         }
         if !border_above.is_empty() {
-            above.piece.caps.push(Cap { plane: flipped, border: border_above });
+            above.piece.caps.push(Cap {
+                plane: flipped,
+                border: border_above,
+            });
         }
         (below.piece, above.piece)
     }
@@ -273,25 +322,46 @@ fn split_cap(
             leave.push((position, i32::from(sb), l));
             enter.push((position, i32::from(sb), h));
         } else {
-            let half = if sa < 0 || sb < 0 { &mut *below } else { &mut *above };
+            let half = if sa < 0 || sb < 0 {
+                &mut *below
+            } else {
+                &mut *above
+            };
             let segment = [half.old(whole, a), half.old(whole, b)];
-            let (list, passages) =
-                if sa < 0 || sb < 0 { (&mut low, &mut leave) } else { (&mut high, &mut enter) };
+            let (list, passages) = if sa < 0 || sb < 0 {
+                (&mut low, &mut leave)
+            } else {
+                (&mut high, &mut enter)
+            };
             list.push(segment);
             if sa == 0 {
-                passages.push((along.dot(whole.points[a as usize]), i32::from(sb), segment[0]));
+                passages.push((
+                    along.dot(whole.points[a as usize]),
+                    i32::from(sb),
+                    segment[0],
+                ));
             } else if sb == 0 {
-                passages.push((along.dot(whole.points[b as usize]), -i32::from(sa), segment[1]));
+                passages.push((
+                    along.dot(whole.points[b as usize]),
+                    -i32::from(sa),
+                    segment[1],
+                ));
             }
         }
     }
     close(leave, 1, &mut low, border_below);
     close(enter, -1, &mut high, border_above);
     if !low.is_empty() {
-        below.piece.caps.push(Cap { plane: cap.plane, border: low });
+        below.piece.caps.push(Cap {
+            plane: cap.plane,
+            border: low,
+        });
     }
     if !high.is_empty() {
-        above.piece.caps.push(Cap { plane: cap.plane, border: high });
+        above.piece.caps.push(Cap {
+            plane: cap.plane,
+            border: high,
+        });
     }
 }
 
@@ -300,12 +370,21 @@ type Passages = Vec<(f64, i32, u32)>;
 
 /// Close a cap's border along the line, where the running sum says that the
 /// region is inside; the new cap gets the same segments the other way round.
-fn close(mut passages: Passages, sense: i32, border: &mut Vec<[u32; 2]>, other: &mut Vec<[u32; 2]>) {
+fn close(
+    mut passages: Passages,
+    sense: i32,
+    border: &mut Vec<[u32; 2]>,
+    other: &mut Vec<[u32; 2]>,
+) {
     passages.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.2.cmp(&y.2)));
     let mut winding = 0;
     for pair in passages.windows(2) {
         winding += sense * pair[0].1;
-        let (from, to) = if winding > 0 { (pair[0].2, pair[1].2) } else { (pair[1].2, pair[0].2) };
+        let (from, to) = if winding > 0 {
+            (pair[0].2, pair[1].2)
+        } else {
+            (pair[1].2, pair[0].2)
+        };
         if from != to {
             for _ in 0..winding.abs() {
                 border.push([from, to]);
@@ -341,11 +420,18 @@ mod tests {
             quad(j, i, i + 4, j + 4); // bottom
             quad(i + 8, j + 8, j + 12, i + 12); // top
         }
-        Piece { points, triangles, caps: Vec::new() }
+        Piece {
+            points,
+            triangles,
+            caps: Vec::new(),
+        }
     }
 
     fn plane(n: [f64; 3], offset: f64) -> Plane {
-        Plane { normal: DVec3::from_array(n), offset }
+        Plane {
+            normal: DVec3::from_array(n),
+            offset,
+        }
     }
 
     #[test]

@@ -123,9 +123,12 @@ impl SweepHull {
         let (b, c) = if det > 0.0 { (c, b) } else { (b, c) };
         self.points.extend([a, waiting[b], waiting[c], d]);
         self.starts.resize(4, NONE);
-        for (corners, neighbours) in
-            [([0, 1, 2], [1, 2, 3]), ([0, 3, 1], [3, 2, 0]), ([1, 3, 2], [1, 3, 0]), ([0, 2, 3], [0, 2, 1])]
-        {
+        for (corners, neighbours) in [
+            ([0, 1, 2], [1, 2, 3]),
+            ([0, 3, 1], [3, 2, 0]),
+            ([1, 3, 2], [1, 3, 0]),
+            ([0, 2, 3], [0, 2, 1]),
+        ] {
             let face = self.face(corners, neighbours);
             self.faces.push(face);
             self.mark.push(0);
@@ -144,7 +147,13 @@ impl SweepHull {
     fn face(&self, corners: [u32; 3], neighbours: [u32; 3]) -> Face {
         let [a, b, c] = corners.map(|v| self.points[v as usize]);
         let normal = (b - a).cross(c - a);
-        Face { normal, offset: normal.dot(a), corners, neighbours, alive: true }
+        Face {
+            normal,
+            offset: normal.dot(a),
+            corners,
+            neighbours,
+            alive: true,
+        }
     }
 
     fn sees(&self, f: u32, p: DVec3) -> bool {
@@ -153,7 +162,11 @@ impl SweepHull {
     }
 
     fn grow(&mut self, p: DVec3) {
-        let near = self.newest.iter().copied().find(|&f| self.faces[f as usize].alive && self.sees(f, p));
+        let near = self
+            .newest
+            .iter()
+            .copied()
+            .find(|&f| self.faces[f as usize].alive && self.sees(f, p));
         let seed = near.or_else(|| {
             (0..self.faces.len() as u32).find(|&f| self.faces[f as usize].alive && self.sees(f, p))
         });
@@ -181,7 +194,8 @@ impl SweepHull {
                     self.mark[g as usize] = round;
                     self.stack.push(g);
                 } else {
-                    self.horizon.push((face.corners[i], face.corners[(i + 1) % 3], g));
+                    self.horizon
+                        .push((face.corners[i], face.corners[(i + 1) % 3], g));
                 }
             }
         }
@@ -276,7 +290,10 @@ mod tests {
         assert!(hull.contains(DVec3::splat(0.5), &mut witness));
         assert!(!hull.contains(DVec3::new(1.1, 0.5, 0.5), &mut witness));
         assert!(!hull.contains(DVec3::new(1.1, 0.5, 0.5), &mut witness));
-        let inside = points.iter().filter(|&&p| hull.contains(0.5 + (p - 0.5) * 0.999, &mut witness)).count();
+        let inside = points
+            .iter()
+            .filter(|&&p| hull.contains(0.5 + (p - 0.5) * 0.999, &mut witness))
+            .count();
         assert_eq!(inside, points.len());
     }
 
@@ -284,7 +301,12 @@ mod tests {
     fn sphere_volume_against_the_closed_form() {
         let mut points: Vec<DVec3> = (0..20_000u64)
             .map(|i| {
-                DVec3::new(noise(3 * i) - 0.5, noise(3 * i + 1) - 0.5, noise(3 * i + 2) - 0.5).normalize()
+                DVec3::new(
+                    noise(3 * i) - 0.5,
+                    noise(3 * i + 1) - 0.5,
+                    noise(3 * i + 2) - 0.5,
+                )
+                .normalize()
             })
             .collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));

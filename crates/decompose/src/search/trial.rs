@@ -28,7 +28,11 @@ impl Basis {
     /// The coordinate axis 0, 1 or 2 as sweep direction.
     pub fn axis(axis: usize) -> Self {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        Basis { u: axes[(axis + 1) % 3], v: axes[(axis + 2) % 3], w: axes[axis % 3] }
+        Basis {
+            u: axes[(axis + 1) % 3],
+            v: axes[(axis + 2) % 3],
+            w: axes[axis % 3],
+        }
     }
 
     /// A basis whose sweep direction is the unit vector `w`.
@@ -39,7 +43,11 @@ impl Basis {
             }
         }
         let (u, v) = w.any_orthonormal_pair();
-        let (u, v) = if u.cross(v).dot(w) > 0.0 { (u, v) } else { (v, u) };
+        let (u, v) = if u.cross(v).dot(w) > 0.0 {
+            (u, v)
+        } else {
+            (v, u)
+        };
         Basis { u, v, w }
     }
 
@@ -136,7 +144,9 @@ pub fn sweep(
 ) -> Sweep {
     let count = offsets.len();
     scratch.local.clear();
-    scratch.local.extend(piece.points.iter().map(|&p| basis.local(p)));
+    scratch
+        .local
+        .extend(piece.points.iter().map(|&p| basis.local(p)));
     let volumes = volumes(piece, &scratch.local, offsets);
     let total = volumes[count];
     sections(edges, offsets, slack, scratch);
@@ -147,8 +157,14 @@ pub fn sweep(
             .zip(&volumes)
             .map(|(&offset, &part)| Trial {
                 offset,
-                below: Side { part, ..Side::default() },
-                above: Side { part: total - part, ..Side::default() },
+                below: Side {
+                    part,
+                    ..Side::default()
+                },
+                above: Side {
+                    part: total - part,
+                    ..Side::default()
+                },
             })
             .collect(),
         enters_below: vec![count as u32; forbidden.len()],
@@ -168,7 +184,17 @@ fn pass(
     result: &mut Sweep,
     mirrored: bool,
 ) {
-    let Scratch { hull, local, low, high, order, sections, inserted, witness, .. } = scratch;
+    let Scratch {
+        hull,
+        local,
+        low,
+        high,
+        order,
+        sections,
+        inserted,
+        witness,
+        ..
+    } = scratch;
     let sign = if mirrored { -1.0 } else { 1.0 };
     // The mirror image of the hull has the same volume: both passes go upwards.
     let flip = |p: DVec3| DVec3::new(p.x, p.y, sign * p.z);
@@ -177,13 +203,29 @@ fn pass(
     inserted.resize(local.len(), false);
     witness.clear();
     witness.resize(forbidden.len(), u32::MAX);
-    let reach = |v: u32| if mirrored { -high[v as usize] } else { low[v as usize] };
-    let position = |rank: usize| if mirrored { order.len() - 1 - rank } else { rank };
+    let reach = |v: u32| {
+        if mirrored {
+            -high[v as usize]
+        } else {
+            low[v as usize]
+        }
+    };
+    let position = |rank: usize| {
+        if mirrored {
+            order.len() - 1 - rank
+        } else {
+            rank
+        }
+    };
 
     let mut next = 0;
     let mut held = 0.0;
     for step in 0..offsets.len() {
-        let k = if mirrored { offsets.len() - 1 - step } else { step };
+        let k = if mirrored {
+            offsets.len() - 1 - step
+        } else {
+            step
+        };
         let t = sign * offsets[k];
         let mut ahead = next;
         while ahead < order.len() {
@@ -209,7 +251,11 @@ fn pass(
             hull.insert(flip(p.extend(offsets[k]) + JITTER * noise(key)));
         }
         for (i, sample) in forbidden.iter().enumerate() {
-            let known = if mirrored { result.leaves_above[i] != 0 } else { (result.enters_below[i] as usize) < offsets.len() };
+            let known = if mirrored {
+                result.leaves_above[i] != 0
+            } else {
+                (result.enters_below[i] as usize) < offsets.len()
+            };
             if known || sign * basis.w.dot(sample.point) > t {
                 continue;
             }
@@ -223,7 +269,11 @@ fn pass(
             }
         }
         let trial = &mut result.trials[k];
-        let side = if mirrored { &mut trial.above } else { &mut trial.below };
+        let side = if mirrored {
+            &mut trial.above
+        } else {
+            &mut trial.below
+        };
         side.hull = hull.volume();
         side.forbidden = held;
     }
@@ -269,10 +319,16 @@ fn volumes(piece: &Piece, local: &[DVec3], offsets: &[f64]) -> Vec<f64> {
         moment[k] += area_here * mean;
     };
     for t in &piece.triangles {
-        add(local[t[0] as usize], local[t[1] as usize], local[t[2] as usize]);
+        add(
+            local[t[0] as usize],
+            local[t[1] as usize],
+            local[t[2] as usize],
+        );
     }
     for cap in &piece.caps {
-        let Some(first) = cap.border.first() else { continue };
+        let Some(first) = cap.border.first() else {
+            continue;
+        };
         let apex = local[first[0] as usize];
         for s in &cap.border {
             add(apex, local[s[0] as usize], local[s[1] as usize]);
@@ -292,7 +348,15 @@ fn volumes(piece: &Piece, local: &[DVec3], offsets: &[f64]) -> Vec<f64> {
 
 /// Outlines of all sections, and what `pass` needs to know of each vertex.
 fn sections(edges: &[(u32, u32)], offsets: &[f64], slack: f64, scratch: &mut Scratch) {
-    let Scratch { local, low, high, order, sections, outline, .. } = scratch;
+    let Scratch {
+        local,
+        low,
+        high,
+        order,
+        sections,
+        outline,
+        ..
+    } = scratch;
     low.clear();
     low.extend(local.iter().map(|p| p.z));
     high.clear();
@@ -317,7 +381,12 @@ fn sections(edges: &[(u32, u32)], offsets: &[f64], slack: f64, scratch: &mut Scr
     }
     order.clear();
     order.extend(0..local.len() as u32);
-    order.sort_unstable_by(|&a, &b| local[a as usize].z.total_cmp(&local[b as usize].z).then(a.cmp(&b)));
+    order.sort_unstable_by(|&a, &b| {
+        local[a as usize]
+            .z
+            .total_cmp(&local[b as usize].z)
+            .then(a.cmp(&b))
+    });
     for section in &mut sections[..offsets.len()] {
         convex_outline(section, slack, outline);
     }
@@ -334,7 +403,11 @@ fn convex_outline(points: &mut Vec<DVec2>, slack: f64, outline: &mut Vec<DVec2>)
     for upper in [false, true] {
         let start = outline.len();
         for i in 0..points.len() {
-            let p = if upper { points[points.len() - 1 - i] } else { points[i] };
+            let p = if upper {
+                points[points.len() - 1 - i]
+            } else {
+                points[i]
+            };
             while outline.len() >= start + 2 {
                 let (a, b) = (outline[outline.len() - 2], outline[outline.len() - 1]);
                 if (b - a).perp_dot(p - b) > 0.0 {
@@ -378,9 +451,23 @@ mod tests {
                 )
             })
             .collect();
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
-        Piece { points, triangles, caps: Vec::new() }
+        let quads = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let triangles = quads
+            .iter()
+            .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
+            .collect();
+        Piece {
+            points,
+            triangles,
+            caps: Vec::new(),
+        }
     }
 
     /// An L: [0,2]×[0,1]×[0,1] and [0,1]×[0,1]×[1,2] as one chain of two boxes.
@@ -389,7 +476,8 @@ mod tests {
         let b = cuboid(DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 1.0, 2.0));
         let shift = a.points.len() as u32;
         a.points.extend(b.points);
-        a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + shift)));
+        a.triangles
+            .extend(b.triangles.iter().map(|t| t.map(|v| v + shift)));
         a
     }
 
@@ -401,7 +489,15 @@ mod tests {
             let basis = Basis::axis(axis);
             let half = [1.0, 0.5, 0.25][axis];
             let offsets: Vec<f64> = (1..8).map(|i| half * (f64::from(i) / 4.0 - 1.0)).collect();
-            let result = sweep(&piece, &edges, &basis, &offsets, &[], 0.0, &mut Scratch::default());
+            let result = sweep(
+                &piece,
+                &edges,
+                &basis,
+                &offsets,
+                &[],
+                0.0,
+                &mut Scratch::default(),
+            );
             for (i, trial) in result.trials.iter().enumerate() {
                 let share = (i + 1) as f64 / 8.0;
                 assert!((trial.below.part - share).abs() < 1e-12);
@@ -419,16 +515,35 @@ mod tests {
         let w = DVec3::new(1.0, 2.0, 3.0).normalize();
         let basis = Basis::along(w);
         let offsets = [0.8, 1.2, 1.7];
-        let result = sweep(&piece, &edges, &basis, &offsets, &[], 0.0, &mut Scratch::default());
+        let result = sweep(
+            &piece,
+            &edges,
+            &basis,
+            &offsets,
+            &[],
+            0.0,
+            &mut Scratch::default(),
+        );
         for trial in &result.trials {
-            let cut = assetpipe_geometry::Plane { normal: w, offset: trial.offset };
+            let cut = assetpipe_geometry::Plane {
+                normal: w,
+                offset: trial.offset,
+            };
             let (below, above) = piece.split(cut);
             assert!((below.volume() - trial.below.part).abs() < 1e-9);
             assert!((above.volume() - trial.above.part).abs() < 1e-9);
             // Cutting above everything prices the hull of a half alone.
             for (half, side) in [(below, trial.below), (above, trial.above)] {
                 let edges: Vec<_> = half.edges().collect();
-                let all = sweep(&half, &edges, &basis, &[100.0], &[], 0.0, &mut Scratch::default());
+                let all = sweep(
+                    &half,
+                    &edges,
+                    &basis,
+                    &[100.0],
+                    &[],
+                    0.0,
+                    &mut Scratch::default(),
+                );
                 assert!((all.trials[0].below.hull - side.hull).abs() < 1e-5);
             }
         }
@@ -438,10 +553,21 @@ mod tests {
     fn forbidden_samples_enter_where_the_hull_reaches_them() {
         let piece = two_boxes();
         let edges: Vec<_> = piece.edges().collect();
-        let corner = Forbidden { point: DVec3::new(1.2, 0.5, 1.2), weight: 1.0 };
+        let corner = Forbidden {
+            point: DVec3::new(1.2, 0.5, 1.2),
+            weight: 1.0,
+        };
         let basis = Basis::axis(2);
         let offsets = [0.5, 1.0, 1.1, 1.5];
-        let result = sweep(&piece, &edges, &basis, &offsets, &[corner], 0.0, &mut Scratch::default());
+        let result = sweep(
+            &piece,
+            &edges,
+            &basis,
+            &offsets,
+            &[corner],
+            0.0,
+            &mut Scratch::default(),
+        );
         let below: Vec<f64> = result.trials.iter().map(|t| t.below.forbidden).collect();
         let above: Vec<f64> = result.trials.iter().map(|t| t.above.forbidden).collect();
         assert_eq!(below, [0.0, 0.0, 0.0, 1.0]);

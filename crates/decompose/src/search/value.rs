@@ -27,7 +27,11 @@ impl Value {
     /// The cost of one part: a radius as in Eq. 5 for `Norm::Worst`.
     pub fn cost(&self, side: &Side) -> f64 {
         let volume = (side.forbidden + self.excess * (side.hull - side.part).max(0.0)) * self.unit;
-        let undone = if side.forbidden > 0.0 { self.undone } else { 0.0 };
+        let undone = if side.forbidden > 0.0 {
+            self.undone
+        } else {
+            0.0
+        };
         undone
             + match self.norm {
                 Norm::Worst => libm::cbrt(volume * (0.75 / std::f64::consts::PI)),
