@@ -38,7 +38,7 @@ pub fn close(pieces: &[&Piece]) -> Mesh {
         .iter()
         .flat_map(|p| p.points.iter().map(|&x| (key(x), x + DVec3::ZERO)))
         .collect();
-    positions.sort_by(|a, b| a.0.cmp(&b.0));
+    positions.sort_by_key(|a| a.0);
     positions.dedup_by(|a, b| a.0 == b.0);
     let index = |p: DVec3| {
         positions

@@ -73,14 +73,12 @@ pub fn build(
         let node = join(finish, &nodes, [i, j], f64::from_bits(bits))?;
         open[i as usize] = false;
         open[j as usize] = false;
+        let new = nodes.len();
         nodes.push(node);
-        open.push(true);
-        let new = nodes.len() - 1;
-        for other in 0..new {
-            if open[other] {
-                offer(finish.judge.solid, &nodes, other, new, &mut queue);
-            }
+        for (other, _) in open.iter().enumerate().filter(|(_, &is_open)| is_open) {
+            offer(finish.judge.solid, &nodes, other, new, &mut queue);
         }
+        open.push(true);
     }
     Ok(nodes)
 }

@@ -140,7 +140,7 @@ pub fn merge(
                 }
             }
             Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => {
-                witnesses.push(witness)
+                witnesses.push(witness);
             }
             Decision::Beyond { .. } | Decision::Unproven(_) => {}
         }

@@ -73,6 +73,10 @@ impl Quadric {
     }
 }
 
+/// An edge waiting for its collapse, cheapest first: the bits of its cost, its
+/// two vertices, and their stamps when it was queued.
+type Waiting = Reverse<(u64, u32, u32, u32, u32)>;
+
 struct Collapse {
     points: Vec<DVec3>,
     quadrics: Vec<Quadric>,
@@ -81,7 +85,7 @@ struct Collapse {
     around: Vec<Vec<u32>>,
     stamp: Vec<u32>,
     count: usize,
-    queue: BinaryHeap<Reverse<(u64, u32, u32, u32, u32)>>,
+    queue: BinaryHeap<Waiting>,
 }
 
 impl Collapse {

@@ -79,6 +79,15 @@ struct First {
     value: f64,
 }
 
+/// A first cut looked at two steps deep.
+struct Expanded {
+    choice: Choice,
+    /// Direction and offset of the best second cut.
+    second: Option<(usize, f64)>,
+    /// Lowest and highest offset refinement may move the first cut to.
+    spacing: (f64, f64),
+}
+
 /// Search one piece.
 pub struct Lookahead<'a> {
     question: &'a Question<'a>,
@@ -188,27 +197,32 @@ impl<'a> Lookahead<'a> {
             let spacing = spacing(&sweeps[best.direction], best.trial);
             return Some(self.refine(choice(best, best.value), None, spacing));
         }
-        let expanded: Vec<(Choice, Option<(usize, f64)>, (f64, f64))> =
-            promising(&firsts, q.settings.expand, q.settings.quota)
-                .into_par_iter()
-                .map(|first| {
-                    let below_is_worse = first.below >= first.above;
-                    let (child, forbidden) =
-                        child(q, &sweeps[first.direction], first, below_is_worse);
-                    let other = first.below.min(first.above);
-                    let second = self.second(&child, &forbidden, other);
-                    let (step, value) =
-                        second.map_or((None, first.value), |(d, t, v)| (Some((d, t)), v));
-                    let spacing = spacing(&sweeps[first.direction], first.trial);
-                    (choice(first, first.value + value), step, spacing)
-                })
-                .collect();
+        let expanded: Vec<Expanded> = promising(&firsts, q.settings.expand, q.settings.quota)
+            .into_par_iter()
+            .map(|first| {
+                let below_is_worse = first.below >= first.above;
+                let (child, forbidden) = child(q, &sweeps[first.direction], first, below_is_worse);
+                let other = first.below.min(first.above);
+                let second = self.second(&child, &forbidden, other);
+                let (step, value) =
+                    second.map_or((None, first.value), |(d, t, v)| (Some((d, t)), v));
+                Expanded {
+                    choice: choice(first, first.value + value),
+                    second: step,
+                    spacing: spacing(&sweeps[first.direction], first.trial),
+                }
+            })
+            .collect();
         // The first of equals: the order is that of the first step.
-        let best = expanded
-            .into_iter()
-            .reduce(|a, b| if b.0.value < a.0.value { b } else { a });
-        let (choice, step, spacing) = best?;
-        Some(self.refine(choice, step, spacing))
+        let best = expanded.into_iter().reduce(|a, b| {
+            if b.choice.value < a.choice.value {
+                b
+            } else {
+                a
+            }
+        });
+        let best = best?;
+        Some(self.refine(best.choice, best.second, best.spacing))
     }
 
     /// The best cut of a child: (direction, offset, value with the other part).
