@@ -1,6 +1,6 @@
 //! Decompose OFF files and print hulls and CPU seconds:
 //! `cargo run --release --example measure -- 0.05 key=value… file.off…`
-//! (tolerance relative to half the longest side, as CoACD's threshold).
+//! (tolerance relative to half the longest side, as `CoACD`'s threshold).
 
 use assetpipe_decompose::control::Control;
 use assetpipe_decompose::decomposition::decompose;

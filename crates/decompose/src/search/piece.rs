@@ -136,21 +136,14 @@ impl Piece {
         six / 6.0
     }
 
-    /// The parts below and above a plane.
-    ///
-    /// A triangle in the plane goes to neither side's surface: the cap of the
-    /// side that holds solid there replaces it.
-    pub fn split(&self, plane: Plane) -> (Piece, Piece) {
-        let heights: Vec<f64> = self
-            .points
-            .iter()
-            .map(|p| plane.normal.dot(*p) - plane.offset)
-            .collect();
-        let sides: Vec<i8> = heights.iter().map(|&h| side(h)).collect();
-        let mut below = Half::new(self.points.len());
-        let mut above = Half::new(self.points.len());
-
-        // A crossing point an edge, made in a fixed order.
+    /// A crossing point an edge, made in a fixed order and added to both halves.
+    fn cross(
+        &self,
+        heights: &[f64],
+        sides: &[i8],
+        below: &mut Half,
+        above: &mut Half,
+    ) -> Crossings {
         let mut edges: Vec<(u32, u32)> = self
             .triangles
             .iter()
@@ -165,7 +158,7 @@ impl Piece {
             .collect();
         edges.sort_unstable();
         edges.dedup();
-        let crossings = Crossings {
+        Crossings {
             edges: edges
                 .into_iter()
                 .map(|(a, b)| {
@@ -181,8 +174,24 @@ impl Piece {
                     )
                 })
                 .collect(),
-        };
+        }
+    }
 
+    /// The parts below and above a plane.
+    ///
+    /// A triangle in the plane goes to neither side's surface: the cap of the
+    /// side that holds solid there replaces it.
+    pub fn split(&self, plane: Plane) -> (Piece, Piece) {
+        let heights: Vec<f64> = self
+            .points
+            .iter()
+            .map(|p| plane.normal.dot(*p) - plane.offset)
+            .collect();
+        let sides: Vec<i8> = heights.iter().map(|&h| side(h)).collect();
+        let mut below = Half::new(self.points.len());
+        let mut above = Half::new(self.points.len());
+
+        let crossings = self.cross(&heights, &sides, &mut below, &mut above);
         let mut border_below = Vec::new();
         let mut border_above = Vec::new();
         for t in &self.triangles {
