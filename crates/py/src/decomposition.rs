@@ -14,6 +14,8 @@ use crate::errors::{decompose_error, engine_error, mesh_error, usage_error};
 use crate::watch;
 
 type Bounds = (f64, f64);
+/// Vertices and faces.
+type MeshTuple<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 type HullTuple<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<i64>>,
@@ -41,11 +43,11 @@ pub fn decompose<'py>(
     epsilon: f64,
     settings: &Bound<'py, PyDict>,
     threads: usize,
-    on_progress: Option<Bound<'py, PyAny>>,
+    on_progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<HullTuple<'py>>, usize)> {
     let solid = mesh(py, &vertices, &faces)?;
     let settings = read_settings(py, settings)?;
-    let result = watch::run(py, on_progress.as_ref(), |control| {
+    let result = watch::run(py, on_progress, |control| {
         core::decompose(&solid, epsilon, &settings, threads, control)
     })?;
     let Decomposition { hulls, leaves } = result.map_err(|e| decompose_error(py, &e))?;
@@ -91,7 +93,7 @@ pub fn thickening<'py>(
     vertices: PyReadonlyArray2<'py, f64>,
     faces: PyReadonlyArray2<'py, i64>,
     hulls: Vec<PyReadonlyArray2<'py, f64>>,
-    on_progress: Option<Bound<'py, PyAny>>,
+    on_progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Bounds>> {
     let solid = mesh(py, &vertices, &faces)?;
     let mut meshes = Vec::with_capacity(hulls.len());
@@ -101,7 +103,7 @@ pub fn thickening<'py>(
             .map_err(|e| mesh_error(py, &format!("hull {index}: {e}")))?;
         meshes.push(mesh);
     }
-    let result = watch::run(py, on_progress.as_ref(), |control| {
+    let result = watch::run(py, on_progress, |control| {
         let cancelled = || control.is_cancelled();
         let limits = Limits {
             cells: 1_000_000,
@@ -125,7 +127,7 @@ pub fn thickening<'py>(
 pub fn convex_hull<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>)> {
+) -> PyResult<MeshTuple<'py>> {
     let points = points(py, &vertices)?;
     let made = std::panic::catch_unwind(|| assetpipe_geometry::hull::convex_hull(&points))
         .map_err(|_| engine_error(py, "the hull failed; please report it with these points"))?;

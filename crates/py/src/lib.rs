@@ -1,6 +1,11 @@
 //! The seam between the core and Python: the only crate that knows Python.
 //! Arrays in and out, typed errors, the GIL released around every long call.
 
+#![allow(
+    clippy::needless_pass_by_value,
+    reason = "a Python function owns its extracted arrays: their borrow of the buffer ends with the call"
+)]
+
 mod arrays;
 mod decomposition;
 mod errors;

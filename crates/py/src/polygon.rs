@@ -211,7 +211,7 @@ fn neighbours(py: Python<'_>, connectivity: u8) -> PyResult<Connectivity> {
     }
 }
 
-fn image<'py, T: numpy::Element>(py: Python<'py>, width: usize, values: Vec<T>) -> Image<'py, T> {
+fn image<T: numpy::Element>(py: Python<'_>, width: usize, values: Vec<T>) -> Image<'_, T> {
     let height = values.len().checked_div(width).unwrap_or(0);
     let rows: Vec<Vec<T>> = {
         let mut values = values.into_iter();
