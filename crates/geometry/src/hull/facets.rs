@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use super::quickhull::{order, Facet, NONE};
 use crate::mesh::Mesh;
-use crate::predicates::orient3d;
 
 /// Memory reused between hulls.
 #[derive(Debug, Default)]
@@ -91,7 +90,7 @@ fn merge(points: &[DVec3], facets: &[Facet], scratch: &mut Scratch) -> u32 {
         scratch.stack.push(seed);
         while let Some(f) = scratch.stack.pop() {
             for other in facets[f as usize].across {
-                if scratch.group[other as usize] == NONE && coplanar(points, facets, seed, other) {
+                if scratch.group[other as usize] == NONE && coplanar(points, facets, f, other) {
                     scratch.group[other as usize] = groups;
                     scratch.stack.push(other);
                 }
@@ -102,15 +101,14 @@ fn merge(points: &[DVec3], facets: &[Facet], scratch: &mut Scratch) -> u32 {
     groups
 }
 
-/// Whether all of triangle `other` lies in the plane of triangle `f`.
-fn coplanar(points: &[DVec3], facets: &[Facet], f: u32, other: u32) -> bool {
-    let at = |v: u32| points[v as usize];
-    let corners = facets[f as usize].corners;
-    let [a, b, c] = corners.map(at);
-    facets[other as usize]
+/// Whether a neighbour of triangle `f` lies in its plane.
+fn coplanar(points: &[DVec3], facets: &[Facet], f: u32, neighbour: u32) -> bool {
+    let f = &facets[f as usize];
+    let apex = facets[neighbour as usize]
         .corners
-        .iter()
-        .all(|v| corners.contains(v) || orient3d(a, b, c, at(*v)).is_eq())
+        .into_iter()
+        .find(|v| !f.corners.contains(v));
+    apex.is_some_and(|apex| f.side(points, apex).1.is_eq())
 }
 
 fn is_boundary(facets: &[Facet], group: &[u32], f: u32, edge: usize) -> bool {

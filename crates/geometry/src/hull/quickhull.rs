@@ -40,6 +40,25 @@ pub(super) struct Facet {
     seen: bool,
 }
 
+impl Facet {
+    /// How far a point is from the plane (in units of the normal, rounded),
+    /// and on which side, exactly.
+    #[inline]
+    pub(super) fn side(&self, points: &[DVec3], point: u32) -> (f64, Ordering) {
+        let p = points[point as usize];
+        let height = self.normal.dot(p - self.origin);
+        let side = if height > self.doubt {
+            Ordering::Greater
+        } else if height < -self.doubt {
+            Ordering::Less
+        } else {
+            let [a, b, c] = self.corners.map(|v| points[v as usize]);
+            orient3d(a, b, c, p)
+        };
+        (height, side)
+    }
+}
+
 /// Builds hulls, keeping its memory between them: thousands of small hulls
 /// cost no allocation but their result. Results do not depend on what was
 /// built before.
@@ -231,15 +250,8 @@ impl Work<'_> {
     #[inline]
     pub(super) fn height(&self, facet: u32, point: u32) -> Option<f64> {
         let f = &self.builder.facets[facet as usize];
-        let height = f.normal.dot(self.at(point) - f.origin);
-        if height > f.doubt {
-            return Some(height);
-        }
-        if height < -f.doubt {
-            return None;
-        }
-        let [a, b, c] = f.corners.map(|v| self.at(v));
-        orient3d(a, b, c, self.at(point)).is_gt().then_some(height)
+        let (height, side) = f.side(self.points, point);
+        side.is_gt().then_some(height)
     }
 
     fn wait(&mut self, facet: u32, point: u32, height: f64) {
