@@ -1,5 +1,6 @@
 //! Algorithm 1: cut until every part is proved, then merge.
 
+use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::HullError;
 use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
@@ -107,8 +108,26 @@ fn step(judge: &Judge<'_>, part: Part, settings: &SearchSettings) -> Result<Step
         Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => Some(witness),
         Decision::Beyond { .. } | Decision::Unproven(_) => None,
     };
-    let plane = cut(judge, &part, settings);
+    if is_void(judge.solid, &part.hull) {
+        return Ok(Step::Cut { children: Vec::new(), witness: None });
+    }
+    // Without surface there is nothing for the search to see: bisection ends, because
+    // hulls smaller than ε are either void or within ε.
+    let plane = if part.piece.triangles.is_empty() {
+        halve(&part.hull.vertices)
+    } else {
+        cut(judge, &part, settings)
+    };
     Ok(Step::Cut { children: part.split(plane).map_err(internal)?, witness })
+}
+
+/// Whether no point of the hull belongs to the solid, proved by a ball around it
+/// that no surface enters. Such a hull covers nothing, and cutting it could go on
+/// for ever: it comes from a shell that is wound inside out where no other encloses it.
+fn is_void(solid: &SolidIndex, hull: &Mesh) -> bool {
+    let centre = hull.vertices.iter().sum::<DVec3>() / hull.vertices.len() as f64;
+    let radius = hull.vertices.iter().map(|v| v.distance(centre)).fold(0.0, f64::max);
+    solid.distance(centre) > radius + solid.slack()
 }
 
 #[allow(clippy::needless_pass_by_value)]
