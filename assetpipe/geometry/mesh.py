@@ -118,7 +118,9 @@ class Mesh:
         state = hashlib.sha256()
         for array in (self.vertices, self.faces):
             state.update(np.asarray(array.shape, dtype="<i8").tobytes())
-            state.update(np.ascontiguousarray(array.astype(array.dtype.newbyteorder("<"))).tobytes())
+            state.update(
+                np.ascontiguousarray(array.astype(array.dtype.newbyteorder("<"))).tobytes()
+            )
         return state.hexdigest()
 
     def transformed(self, matrix: npt.ArrayLike) -> Mesh:

@@ -91,9 +91,7 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     weld = weld_exactly(mesh.vertices, mesh.faces)
     steps: tuple[Step, ...] = ()
     if weld.welded or weld.degenerate:
-        what = (
-            f"joined {weld.welded} coinciding vertices, dropped {weld.degenerate} faces"
-        )
+        what = f"joined {weld.welded} coinciding vertices, dropped {weld.degenerate} faces"
         steps = (Step(Rung.WELD, what, seconds=process_time() - clock),)
     if not len(weld.faces) or not face_areas(weld.vertices, weld.faces)[0].any():
         finding = Finding("AP204", Severity.ERROR, "all faces are degenerate: there is no surface")

@@ -43,8 +43,14 @@ pub fn decompose_working(
 ) -> Result<Cover, DecomposeError> {
     let mut frontier = Vec::new();
     for piece in crate::part::components(Piece::from(mesh)) {
-        let closed = Mesh { vertices: piece.points.clone(), triangles: piece.triangles.clone() };
-        let levels = proxy::ladder(&closed, &settings.ladder).iter().map(Piece::from).collect();
+        let closed = Mesh {
+            vertices: piece.points.clone(),
+            triangles: piece.triangles.clone(),
+        };
+        let levels = proxy::ladder(&closed, &settings.ladder)
+            .iter()
+            .map(Piece::from)
+            .collect();
         frontier.extend(connected_parts(piece, levels).map_err(internal)?);
     }
     let total_volume = frontier.iter().map(|p| p.piece.volume()).sum::<f64>();
@@ -62,10 +68,18 @@ pub fn decompose_working(
         frontier = Vec::new();
         for step in steps {
             match step {
-                Step::Done { hull, thickening, piece } => {
+                Step::Done {
+                    hull,
+                    thickening,
+                    piece,
+                } => {
                     open_volume -= piece.volume();
                     let members = vec![done.len() as u32];
-                    done.push(Proved { hull, thickening, members });
+                    done.push(Proved {
+                        hull,
+                        thickening,
+                        members,
+                    });
                     parts.push(piece);
                 }
                 Step::Cut { children, witness } => {
@@ -92,9 +106,16 @@ pub fn decompose_working(
 /// What becomes of a part.
 enum Step {
     /// Its hull is proved.
-    Done { hull: Mesh, thickening: Interval, piece: Piece },
+    Done {
+        hull: Mesh,
+        thickening: Interval,
+        piece: Piece,
+    },
     /// It was cut; the witness is why.
-    Cut { children: Vec<Part>, witness: Option<DVec3> },
+    Cut {
+        children: Vec<Part>,
+        witness: Option<DVec3>,
+    },
 }
 
 fn step(judge: &Judge<'_>, part: Part, settings: &SearchSettings) -> Result<Step, DecomposeError> {
@@ -103,13 +124,20 @@ fn step(judge: &Judge<'_>, part: Part, settings: &SearchSettings) -> Result<Step
     }
     let witness = match judge.decide(&part.hull, &[&part.piece]) {
         Decision::Within(thickening) => {
-            return Ok(Step::Done { hull: part.hull, thickening, piece: part.piece });
+            return Ok(Step::Done {
+                hull: part.hull,
+                thickening,
+                piece: part.piece,
+            });
         }
         Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => Some(witness),
         Decision::Beyond { .. } | Decision::Unproven(_) => None,
     };
     if is_void(judge.solid, &part.hull) {
-        return Ok(Step::Cut { children: Vec::new(), witness: None });
+        return Ok(Step::Cut {
+            children: Vec::new(),
+            witness: None,
+        });
     }
     // Without surface there is nothing for the search to see: bisection ends, because
     // hulls smaller than ε are either void or within ε.
@@ -118,7 +146,10 @@ fn step(judge: &Judge<'_>, part: Part, settings: &SearchSettings) -> Result<Step
     } else {
         cut(judge, &part, settings)
     };
-    Ok(Step::Cut { children: part.split(plane).map_err(internal)?, witness })
+    Ok(Step::Cut {
+        children: part.split(plane).map_err(internal)?,
+        witness,
+    })
 }
 
 /// Whether no point of the hull belongs to the solid, proved by a ball around it
@@ -126,7 +157,11 @@ fn step(judge: &Judge<'_>, part: Part, settings: &SearchSettings) -> Result<Step
 /// for ever: it comes from a shell that is wound inside out where no other encloses it.
 fn is_void(solid: &SolidIndex, hull: &Mesh) -> bool {
     let centre = hull.vertices.iter().sum::<DVec3>() / hull.vertices.len() as f64;
-    let radius = hull.vertices.iter().map(|v| v.distance(centre)).fold(0.0, f64::max);
+    let radius = hull
+        .vertices
+        .iter()
+        .map(|v| v.distance(centre))
+        .fold(0.0, f64::max);
     solid.distance(centre) > radius + solid.slack()
 }
 
@@ -141,7 +176,10 @@ fn cut(judge: &Judge<'_>, part: &Part, settings: &SearchSettings) -> Plane {
     let directions: Vec<Basis> = (0..3).map(Basis::axis).collect();
     let flat = |most: usize| -> Vec<Vec<f64>> {
         let (area, gap) = (settings.face * epsilon * epsilon, 1e-4 * epsilon);
-        directions.iter().map(|b| flat_faces::offsets(&part.piece, b.w, area, gap, most)).collect()
+        directions
+            .iter()
+            .map(|b| flat_faces::offsets(&part.piece, b.w, area, gap, most))
+            .collect()
     };
     let (extra, extra_second) = (flat(settings.faces), flat(settings.second_faces));
     let samples = forbidden::sample(judge.solid, &part.hull, epsilon, settings.samples);
@@ -158,7 +196,10 @@ fn cut(judge: &Judge<'_>, part: &Part, settings: &SearchSettings) -> Plane {
         let w = directions[choice.direction].w;
         let (lo, hi) = extent(&part.hull.vertices, w);
         if choice.offset > lo && choice.offset < hi {
-            return Plane { normal: w, offset: choice.offset };
+            return Plane {
+                normal: w,
+                offset: choice.offset,
+            };
         }
     }
     halve(&part.hull.vertices)
@@ -169,7 +210,9 @@ fn cut(judge: &Judge<'_>, part: &Part, settings: &SearchSettings) -> Plane {
 fn halve(points: &[DVec3]) -> Plane {
     let (lo, hi) = points
         .iter()
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| {
+            (lo.min(p), hi.max(p))
+        });
     let size = hi - lo;
     let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
     Plane::axis_aligned(axis, 0.5 * (lo[axis] + hi[axis]))

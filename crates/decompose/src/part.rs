@@ -25,7 +25,11 @@ impl Part {
     /// Hull errors other than flatness.
     pub fn new(piece: Piece, levels: Vec<Piece>) -> Result<Option<Part>, HullError> {
         match convex_hull(&piece.points) {
-            Ok(hull) => Ok(Some(Part { piece, levels, hull })),
+            Ok(hull) => Ok(Some(Part {
+                piece,
+                levels,
+                hull,
+            })),
             Err(HullError::Degenerate { .. } | HullError::Empty) => Ok(None),
             Err(error) => Err(error),
         }
@@ -53,7 +57,10 @@ impl Part {
 
     /// The coarsest stand-in with enough surface.
     pub fn stand_in(&self, fewest: usize) -> &Piece {
-        self.levels.iter().find(|l| l.triangles.len() >= fewest).unwrap_or(&self.piece)
+        self.levels
+            .iter()
+            .find(|l| l.triangles.len() >= fewest)
+            .unwrap_or(&self.piece)
     }
 }
 
@@ -65,7 +72,13 @@ impl Part {
 pub fn connected_parts(piece: Piece, levels: Vec<Piece>) -> Result<Vec<Part>, HullError> {
     let components = components(piece);
     if components.len() == 1 {
-        return Ok(components.into_iter().map(|p| Part::new(p, levels.clone())).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect());
+        return Ok(components
+            .into_iter()
+            .map(|p| Part::new(p, levels.clone()))
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            .flatten()
+            .collect());
     }
     let boxes: Vec<(DVec3, DVec3)> = components.iter().map(Piece::bounds).collect();
     let mut shares: Vec<Vec<Piece>> = vec![Vec::new(); components.len()];
@@ -74,7 +87,9 @@ pub fn connected_parts(piece: Piece, levels: Vec<Piece>) -> Result<Vec<Part>, Hu
         for stand_in in self::components(level) {
             let (lo, hi) = stand_in.bounds();
             let misfit = |b: &(DVec3, DVec3)| (b.0 - lo).abs().max((b.1 - hi).abs()).max_element();
-            let Some(best) = (0..boxes.len()).min_by(|&i, &j| misfit(&boxes[i]).total_cmp(&misfit(&boxes[j]))) else {
+            let Some(best) =
+                (0..boxes.len()).min_by(|&i, &j| misfit(&boxes[i]).total_cmp(&misfit(&boxes[j])))
+            else {
                 continue;
             };
             let size = (boxes[best].1 - boxes[best].0).max_element();
@@ -128,15 +143,29 @@ pub fn components(piece: Piece) -> Vec<Piece> {
     for cap in &piece.caps {
         join_nested(&piece, cap, &mut sets);
     }
-    let roots: Vec<u32> = (0..piece.points.len() as u32).map(|v| sets.root(v)).collect();
-    let mut used: Vec<u32> = piece.triangles.iter().map(|t| roots[t[0] as usize]).collect();
-    used.extend(piece.caps.iter().flat_map(|c| c.border.iter().map(|s| roots[s[0] as usize])));
+    let roots: Vec<u32> = (0..piece.points.len() as u32)
+        .map(|v| sets.root(v))
+        .collect();
+    let mut used: Vec<u32> = piece
+        .triangles
+        .iter()
+        .map(|t| roots[t[0] as usize])
+        .collect();
+    used.extend(
+        piece
+            .caps
+            .iter()
+            .flat_map(|c| c.border.iter().map(|s| roots[s[0] as usize])),
+    );
     used.sort_unstable();
     used.dedup();
     if used.len() <= 1 {
         return vec![piece];
     }
-    let mut solids: Vec<Piece> = used.iter().map(|&root| extract(&piece, &roots, root)).collect();
+    let mut solids: Vec<Piece> = used
+        .iter()
+        .map(|&root| extract(&piece, &roots, root))
+        .collect();
     // A component of negative volume is a void: it stays with what encloses it.
     let volumes: Vec<f64> = solids.iter().map(Piece::volume).collect();
     let mut owner: Vec<usize> = (0..solids.len()).collect();
@@ -159,7 +188,12 @@ pub fn components(piece: Piece) -> Vec<Piece> {
             append(&mut solids[owner[i]], &void);
         }
     }
-    solids.into_iter().enumerate().filter(|(i, _)| owner[*i] == *i).map(|(_, s)| s).collect()
+    solids
+        .into_iter()
+        .enumerate()
+        .filter(|(i, _)| owner[*i] == *i)
+        .map(|(_, s)| s)
+        .collect()
 }
 
 fn extract(piece: &Piece, roots: &[u32], root: u32) -> Piece {
@@ -187,7 +221,10 @@ fn extract(piece: &Piece, roots: &[u32], root: u32) -> Piece {
             .map(|s| s.map(|v| place(v, &mut part.points)))
             .collect();
         if !border.is_empty() {
-            part.caps.push(crate::search::piece::Cap { plane: cap.plane, border });
+            part.caps.push(crate::search::piece::Cap {
+                plane: cap.plane,
+                border,
+            });
         }
     }
     part
@@ -197,10 +234,15 @@ fn extract(piece: &Piece, roots: &[u32], root: u32) -> Piece {
 pub fn append(piece: &mut Piece, other: &Piece) {
     let shift = piece.points.len() as u32;
     piece.points.extend(&other.points);
-    piece.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + shift)));
+    piece
+        .triangles
+        .extend(other.triangles.iter().map(|t| t.map(|v| v + shift)));
     for cap in &other.caps {
         let border = cap.border.iter().map(|s| s.map(|v| v + shift)).collect();
-        piece.caps.push(crate::search::piece::Cap { plane: cap.plane, border });
+        piece.caps.push(crate::search::piece::Cap {
+            plane: cap.plane,
+            border,
+        });
     }
 }
 
@@ -213,7 +255,12 @@ fn join_nested(piece: &Piece, cap: &crate::search::piece::Cap, sets: &mut Union)
     if roots.len() < 2 {
         return;
     }
-    let (u, v) = cap.plane.normal.any_orthogonal_vector().normalize().into_pair(cap.plane.normal);
+    let (u, v) = cap
+        .plane
+        .normal
+        .any_orthogonal_vector()
+        .normalize()
+        .into_pair(cap.plane.normal);
     let flat = |i: u32| {
         let p = piece.points[i as usize];
         DVec2::new(u.dot(p), v.dot(p))
@@ -221,13 +268,22 @@ fn join_nested(piece: &Piece, cap: &crate::search::piece::Cap, sets: &mut Union)
     let loops: Vec<(u32, Vec<[DVec2; 2]>)> = roots
         .iter()
         .map(|&root| {
-            let segments = cap.border.iter().zip(&of).filter(|(_, r)| **r == root).map(|(s, _)| s.map(flat)).collect();
+            let segments = cap
+                .border
+                .iter()
+                .zip(&of)
+                .filter(|(_, r)| **r == root)
+                .map(|(s, _)| s.map(flat))
+                .collect();
             (root, segments)
         })
         .collect();
     for (i, (root, segments)) in loops.iter().enumerate() {
         let origin = segments[0][0];
-        let area: f64 = segments.iter().map(|[a, b]| (*a - origin).perp_dot(*b - origin)).sum();
+        let area: f64 = segments
+            .iter()
+            .map(|[a, b]| (*a - origin).perp_dot(*b - origin))
+            .sum();
         if area >= 0.0 {
             continue;
         }

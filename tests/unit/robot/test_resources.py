@@ -197,7 +197,10 @@ def test_empty_references(package: Path, uri: str) -> None:
         ("package://arm/Meshes/A.STL", "there is '../meshes': only the case differs"),
         ("package://arm/meshes/A.STL", "there is '../meshes/a.stl': only the case differs"),
         ("package://arm/meshes/a.stlx", "there is '../meshes/a.stl': did you mean it?"),
-        ("package://arn/x.stl", "did you mean 'arm'?; add the folder that holds it to ROS_PACKAGE_PATH"),
+        (
+            "package://arn/x.stl",
+            "did you mean 'arm'?; add the folder that holds it to ROS_PACKAGE_PATH",
+        ),
         ("locals.stl", "there is 'local.stl': did you mean it?"),
     ],
 )
