@@ -4,6 +4,7 @@ mod components;
 mod section;
 mod separate;
 mod split;
+mod subdivide;
 #[cfg(test)]
 mod tests;
 mod volume;

@@ -1,12 +1,12 @@
 //! One plane, two solids.
 
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
 
 use glam::DVec3;
 
 use super::section::{sides, Section, View};
 use super::separate::separate_at;
+use super::subdivide::subdivide;
 use super::ClipError;
 use crate::mesh::Mesh;
 use crate::planar::{fill, Edge};
@@ -337,36 +337,6 @@ impl Cut<'_> {
         separate_at(&mut piece, &suspects);
         Some(piece)
     }
-}
-
-/// Splits triangles at points that the cap has put on their edges.
-fn subdivide(
-    triangles: &[[u32; 3]],
-    first: u32,
-    subdivided: &BTreeMap<(u32, u32), u32>,
-) -> Triangles {
-    let via = |a: u32, b: u32| {
-        let (a, b) = (a.min(b).checked_sub(first)?, a.max(b) - first);
-        subdivided.get(&(a, b)).map(|point| first + point)
-    };
-    let mut result = Vec::with_capacity(triangles.len());
-    let mut stack = Vec::new();
-    for &t in triangles {
-        stack.push(t);
-        while let Some([a, b, c]) = stack.pop() {
-            let turns = [[a, b, c], [b, c, a], [c, a, b]];
-            let split = turns
-                .into_iter()
-                .find_map(|t| via(t[0], t[1]).map(|m| (t, m)));
-            match split {
-                Some(([a, b, c], m)) if m != c => stack.extend([[m, b, c], [a, m, c]]),
-                // The edge runs through the opposite corner: nothing is left.
-                Some(_) => {}
-                None => result.push([a, b, c]),
-            }
-        }
-    }
-    result
 }
 
 /// At most four corners.
