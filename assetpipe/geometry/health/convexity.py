@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from assetpipe.geometry.health.topology import distinct
 from assetpipe.geometry.mesh import FloatArray, IntArray
 
 _POINTS = 4000
@@ -18,7 +19,7 @@ def depth_below_hull(vertices: FloatArray, faces: IntArray) -> float:
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    used = vertices[np.unique(faces)]
+    used = vertices[distinct(faces)]
     low, high = used.min(axis=0), used.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))
     if diagonal == 0.0:

@@ -12,6 +12,7 @@ from assetpipe.geometry.health.report import Defect, Health, Soundness
 from assetpipe.geometry.health.topology import (
     Edges,
     boundary_loops,
+    distinct,
     face_areas,
     face_components,
     umbrellas,
@@ -44,8 +45,8 @@ def examine(mesh: Mesh, *, crossings: Literal["count", "skip"] = "skip") -> Heal
     doubled = _doubled(faces)
     thin, zero = _thin(vertices, faces)
     first, second = edges.pair(edges.regular)
-    joined = _joined_vertices(faces, len(vertices), first, second)
-    loops = _loops(vertices, faces, first, second)
+    joined = _joined_vertices(faces, len(vertices), *edges.pair(np.flatnonzero(edges.count == 2)))
+    loops = boundary_loops(faces, first, second)
     widths = [_extent(vertices[loop]) for loop in loops]
     closed = bool(len(faces)) and not np.any(edges.balance)
     volumes = _volumes(vertices, faces, label, number)
@@ -160,19 +161,6 @@ def _joined_vertices(faces: IntArray, vertices: int, first: IntArray, second: In
     return np.flatnonzero(np.bincount(source, minlength=vertices) > 1)
 
 
-def _loops(
-    vertices: FloatArray, faces: IntArray, first: IntArray, second: IntArray
-) -> list[IntArray]:
-    """Boundary loops as indices of ``vertices``; edges of many faces count as boundary."""
-    number, corners = umbrellas(faces, first, second)
-    source = np.zeros(number, dtype=np.int64)
-    source[corners.ravel()] = faces.ravel()
-    apart = Edges.of(corners, number)
-    if len(apart.nonmanifold):
-        return []
-    return [source[loop] for loop in boundary_loops(corners, number)]
-
-
 def _extent(points: FloatArray) -> float:
     return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
 
@@ -207,7 +195,7 @@ def _is_flat(vertices: FloatArray, faces: IntArray) -> bool:
     """Whether all used vertices lie in one plane."""
     if not len(faces):
         return True
-    used = vertices[np.unique(faces)]
+    used = vertices[distinct(faces)]
     arms = used - used.mean(axis=0)
     spread = np.linalg.eigvalsh(arms.T @ arms)
     return bool(spread[0] <= (_FLAT * _FLAT) * spread[2])

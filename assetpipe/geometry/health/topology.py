@@ -101,6 +101,25 @@ class Edges:
         return self.order[at], self.order[at + 1]
 
 
+def distinct(values: IntArray) -> IntArray:
+    """The different values in ascending order; numpy's own hashing is slow for indices."""
+    ordered = np.sort(values, axis=None)
+    new = np.ones(len(ordered), dtype=bool)
+    new[1:] = ordered[1:] != ordered[:-1]
+    result: IntArray = ordered[new]
+    return result
+
+
+def missing(values: IntArray, known: IntArray) -> IntArray:
+    """The different values that are not among ``known``, which ascend."""
+    candidates = distinct(values)
+    if not len(known):
+        return candidates
+    at = np.minimum(np.searchsorted(known, candidates), len(known) - 1)
+    result: IntArray = candidates[known[at] != candidates]
+    return result
+
+
 def face_components(edges: Edges) -> tuple[int, IntArray]:
     """Components of faces that share an edge: how many, and (m,) labels.
 
@@ -134,13 +153,14 @@ def umbrellas(faces: IntArray, a: IntArray, b: IntArray) -> tuple[int, IntArray]
 
     Two faces glued along an edge share its two corners and nothing else, so that the
     labels are the vertices of the surface which the pairing describes: non-manifold
-    edges and vertices come apart. Paired half-edges must run in opposite directions.
+    edges and vertices come apart. Paired half-edges may run either way.
     """
     following_a, following_b = _following(a), _following(b)
+    same_way = faces.ravel()[a] == faces.ravel()[b]
     number, labels = components(
         faces.size,
         np.concatenate([a, following_a]),
-        np.concatenate([following_b, b]),
+        np.concatenate([np.where(same_way, b, following_b), np.where(same_way, following_b, b)]),
     )
     return number, labels.reshape(faces.shape)
 
@@ -150,30 +170,38 @@ def _following(half_edges: IntArray) -> IntArray:
     return np.where(half_edges % 3 == 2, half_edges - 2, half_edges + 1)
 
 
-def boundary_loops(faces: IntArray, vertices: int) -> list[IntArray]:
-    """Closed chains of boundary vertices, each against the winding of its faces.
+def boundary_loops(faces: IntArray, a: IntArray, b: IntArray) -> list[IntArray]:
+    """Closed chains of half-edges that a pairing ``a[i] – b[i]`` leaves without partner.
 
-    Every vertex must have at most one outgoing boundary half-edge (see
-    :func:`umbrellas`). A cap over a loop has the loop's own direction.
+    Each runs against the winding of its faces: a cap over a loop has the loop's own
+    direction. Every half-edge without partner is in exactly one loop.
+
+    Returns:
+        For each loop the *ends* of its half-edges, as vertex indices.
     """
-    edges = Edges.of(faces, vertices)
-    half = edges.order[edges.first[edges.boundary]]
+    alone = np.ones(faces.size, dtype=bool)
+    alone[a] = False
+    alone[b] = False
+    half = np.flatnonzero(alone)
     if not len(half):
         return []
-    start = faces.ravel()[half]
-    end = faces.ravel()[_following(half)]
-    before = np.full(vertices, -1, dtype=np.int64)
-    before[end] = start
-    _, labels = components(vertices, start, end)
+    number, corners = umbrellas(faces, a, b)
+    start, end = corners.ravel()[half], corners.ravel()[_following(half)]
+    # An umbrella that is not closed has one half-edge that leaves and one that arrives.
+    arriving = np.full(number, -1, dtype=np.int64)
+    arriving[end] = np.arange(len(half))
+    before = arriving[start]
+    _, label = components(len(half), np.arange(len(half)), before)
+    _, heads = np.unique(label, return_index=True)
+    vertex = faces.ravel()[_following(half)]
     loops = []
-    _, heads = np.unique(labels[end], return_index=True)
     for head in np.sort(heads):
-        loop = [int(end[head])]
+        loop = [int(head)]
         while (at := int(before[loop[-1]])) != loop[0]:
-            if at < 0 or len(loop) > len(start):
-                raise EngineError("boundary edges do not form loops; vertices must be split first")
+            if at < 0 or len(loop) > len(half):
+                raise EngineError("boundary half-edges do not form loops")
             loop.append(at)
-        loops.append(np.array(loop, dtype=np.int64))
+        loops.append(vertex[loop])
     return loops
 
 

@@ -14,11 +14,15 @@ from assetpipe.geometry.health.topology import face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.result import Deviation
-from assetpipe.geometry.repair.surface import Corners, Surface
+from assetpipe.geometry.repair.surface import NEAR, Corners, Surface
 
+Side = Literal["surface", "solid"]
 Arrays = tuple[FloatArray, IntArray]
+RESOLUTION = 5e-4
+"""How sharp measured bounds are, in units."""
 _SAMPLES = 4000
-_TRIANGLES = 200_000
+_TRIANGLES = 80_000
+_SHARP = 1.05
 
 
 def sample(vertices: FloatArray, faces: IntArray, number: int, seed: int = 0) -> FloatArray:
@@ -42,39 +46,70 @@ def farthest(
     surface: Surface,
     corners: Corners,
     *,
-    side: Literal["surface", "solid"],
+    side: Side,
     resolution: float,
+    floor: float = 0.0,
 ) -> float:
-    """Upper bound on the distance of any point of triangles to a surface.
+    """Upper bound on the distance of any point of triangles to a surface (see below)."""
+    owner = np.zeros(len(corners), dtype=np.int64)
+    return float(
+        farthest_each(surface, corners, owner, 1, side=side, resolution=resolution, floor=floor)[0]
+    )
+
+
+def farthest_each(
+    surface: Surface,
+    corners: Corners,
+    owner: IntArray,
+    owners: int,
+    *,
+    side: Side,
+    resolution: float,
+    floor: float = 0.0,
+    ceiling: float = np.inf,
+) -> FloatArray:
+    """Upper bounds on the distance of any point of groups of triangles to a surface.
 
     Args:
         surface: the target.
         corners: (n, 3, 3) triangles.
+        owner: (n,) group of each.
+        owners: how many groups.
         side: ``"surface"``: distance to the surface; ``"solid"``: zero inside it.
-        resolution: how much larger than the truth the bound may be, if affordable.
+        resolution: how much larger than 1.05 of the truth a bound may be, if affordable.
+        floor: bounds below need not be sharp.
+        ceiling: bounds above need not be sharp.
+
+    Returns:
+        (owners,) bounds.
     """
-    reached = settled = 0.0
+    reached, settled = np.zeros(owners), np.zeros(owners)
     while len(corners):
         centre = corners.mean(axis=1)
         radius = np.sqrt(((corners - centre[:, None]) ** 2).sum(axis=2).max(axis=1))
         distance, face, _ = surface.closest(centre)
         upper = np.minimum(distance + radius, surface.bound_over(corners, face))
         if side == "solid":
-            far = np.flatnonzero(upper > reached + resolution)
+            far = np.flatnonzero(upper > np.maximum(_SHARP * reached[owner] + resolution, floor))
+            far = far[distance[far] > NEAR]
             inside = far[np.abs(surface.winding(centre[far])) > 0.5]
             # The centre is inside: what lies nearer to it than the surface is inside too.
             upper[inside] = np.maximum(0.0, radius[inside] - distance[inside])
             distance[inside] = 0.0
             # Nobody asked whether the others are inside; they don't count as reached.
-            distance[np.setdiff1d(np.arange(len(centre)), far)] = 0.0
-        reached = max(reached, float(distance.max()))
-        undecided = upper > reached + resolution
-        settled = max(settled, float(upper[~undecided].max(initial=0.0)))
-        corners = corners[undecided]
+            asked = np.zeros(len(centre), dtype=bool)
+            asked[far] = True
+            distance[~asked & (distance > NEAR)] = 0.0
+        np.maximum.at(reached, owner, distance)
+        undecided = upper > np.maximum(_SHARP * reached[owner] + resolution, floor)
+        undecided &= reached[owner] <= ceiling
+        np.maximum.at(settled, owner[~undecided], upper[~undecided])
+        corners, owner = corners[undecided], owner[undecided]
         if 4 * len(corners) > _TRIANGLES:
-            return max(settled, float(upper[undecided].max()))
-        corners = _quarters(corners)
-    return max(settled, reached)
+            np.maximum.at(settled, owner, upper[undecided])
+            break
+        corners, owner = _quarters(corners), np.tile(owner, 4)
+    return np.maximum(settled, reached)
 
 
 def _quarters(corners: Corners) -> Corners:
@@ -90,7 +125,7 @@ def quantile(
     surface: Surface,
     arrays: tuple[FloatArray, IntArray],
     *,
-    side: Literal["surface", "solid"],
+    side: Side,
     share: float = 0.99,
 ) -> float:
     """The distance within which ``share`` of the area of a surface lies (fixed sample)."""

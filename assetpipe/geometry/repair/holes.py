@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import boundary_loops
+from assetpipe.geometry.health.topology import Edges, boundary_loops
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.split import pair_half_edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +44,13 @@ class Opening:
 
 
 def openings(vertices: FloatArray, faces: IntArray) -> list[Opening]:
-    """All openings of a mesh whose vertices have one umbrella each."""
-    return [_opening(vertices, loop) for loop in boundary_loops(faces, len(vertices))]
+    """All openings of a surface, its faces paired over non-manifold edges by angle."""
+    first, second = pair_half_edges(vertices, Edges.of(faces, len(vertices)))
+    return [opening_of(vertices, loop) for loop in boundary_loops(faces, first, second)]
 
 
-def _opening(vertices: FloatArray, loop: IntArray) -> Opening:
+def opening_of(vertices: FloatArray, loop: IntArray) -> Opening:
+    """The opening over a loop of vertices."""
     points = vertices[loop]
     centre = points.mean(axis=0)
     arms = points - centre

@@ -10,32 +10,27 @@ from assetpipe.errors import LimitError, MeshError
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.health.topology import Edges, face_areas, face_components
 from assetpipe.geometry.health.weld import degenerate, referenced
-from assetpipe.geometry.mesh import Mesh
+from assetpipe.geometry.mesh import IntArray, Mesh
+from assetpipe.geometry.repair.bury import buried
 from assetpipe.geometry.repair.check import defect
-from assetpipe.geometry.repair.clean import weld_exactly
-from assetpipe.geometry.repair.complete import (
-    RESOLUTION,
-    buried,
-    filled,
-    flattened,
-    thickened,
-    wrapped,
-)
-from assetpipe.geometry.repair.deviation import farthest, quantile
+from assetpipe.geometry.repair.clean import one_of_each, weld_exactly
+from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, quantile
+from assetpipe.geometry.repair.divide import divided, enclosing_nothing, flattened
+from assetpipe.geometry.repair.fill import filled
 from assetpipe.geometry.repair.frame import Frame
+from assetpipe.geometry.repair.overlap import TANGLED, disentangled, overlap
 from assetpipe.geometry.repair.policy import RepairLimits, RepairPolicy
-from assetpipe.geometry.repair.prepare import (
-    balanced,
-    deduplicated,
-    stitched,
-    taken_apart,
-    wound,
-)
+from assetpipe.geometry.repair.prepare import halved, set_aside, stitched, wound
 from assetpipe.geometry.repair.result import Deviation, Repaired, Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
+from assetpipe.geometry.repair.stiffen import thickened
 from assetpipe.geometry.repair.surface import Surface
-from assetpipe.geometry.repair.unite import unite
-from assetpipe.geometry.repair.work import Job, Work
+from assetpipe.geometry.repair.unite import Shell, unite
+from assetpipe.geometry.repair.work import Job, Work, stacked
+from assetpipe.geometry.repair.wrap import wrapped
+
+_ROUNDING = 1e-11
+"""Units below which a measured distance is rounding of the measurement."""
 
 
 def repair(
@@ -67,7 +62,7 @@ def repair(
     why = defect(mesh.vertices, mesh.faces)
     if policy.mode == "off":
         return Repaired(mesh) if why is None else _refused(why, hint="repair is off")
-    if why is None and _single(mesh):
+    if why is None and _sound(mesh):
         return Repaired(mesh)
     try:
         return _climb(mesh, policy, limits)
@@ -75,8 +70,12 @@ def repair(
         return Repaired(None, findings=(Finding("AP206", Severity.ERROR, error.message),))
 
 
-def _single(mesh: Mesh) -> bool:
-    return face_components(Edges.of(mesh.faces, len(mesh.vertices)))[0] == 1
+def _sound(mesh: Mesh) -> bool:
+    """Whether a solid has one component that does not overlap itself."""
+    if face_components(Edges.of(mesh.faces, len(mesh.vertices)))[0] != 1:
+        return False
+    units = Frame.around(mesh.vertices).inward(mesh.vertices)
+    return overlap(Shell(units, mesh.faces, mesh.volume)) <= TANGLED
 
 
 def _refused(why: str, work: Work | None = None, hint: str | None = None) -> Repaired:
@@ -98,7 +97,7 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
         return Repaired(None, steps, findings=(finding,))
     if steps and defect(weld.vertices, weld.faces) is None:
         welded = Mesh(weld.vertices, weld.faces)
-        if _single(welded):
+        if _sound(welded):
             return Repaired(welded, steps)
     frame = Frame.around(weld.vertices)
     units = frame.inward(weld.vertices)
@@ -112,53 +111,54 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
         policy.thickness_on(mesh) / frame.scale,
         clock + limits.seconds,
     )
-    work = Work(units, weld.faces, steps=steps)
-    if not balanced(work):
-        work = wound(work, job)
-    if not balanced(work):
-        work = deduplicated(work, job)
-    if not balanced(work) and policy.mode == "auto":
-        work = wound(stitched(work, job), job)
-        job.check_time()
-    work = taken_apart(work, job)
+    work = set_aside(Work(units, weld.faces, steps=steps), job)
     work = flattened(work, job)
+    even, odd = halved(work)
+    work = divided(work, even, job)
+    if policy.mode == "strict" and (len(odd) or work.patches):
+        return _refused(_open(work, odd), work, "strict repair closes no openings")
+    work = _completed(work.after(faces=one_of_each(odd)), job)
     if work.patches:
-        if policy.mode == "strict":
-            return _refused(_open(work, job), work, "strict repair closes no openings")
-        work = _closed(work, job)
-        if work.patches:
-            return _refused(_open(work, job), work)
+        return _refused(_open(work, odd), work)
     job.check_time()
-    return _finished(work, job)
+    return _finished(disentangled(work, job), job)
 
 
-def _closed(work: Work, job: Job) -> Work:
+def _completed(work: Work, job: Job) -> Work:
     """The rungs for open pieces, one after the other."""
-    work = filled(work, job)
+    if len(work.faces):
+        work = wound(stitched(wound(work, job), job), job)
+        job.check_time()
+        work = filled(work, job)
+        work = divided(work, one_of_each(work.faces), job)
     work = buried(work, job)
     if not work.patches or job.policy.openings == "refuse":
         return work
     if job.policy.openings != "sheet":
         work = wrapped(work, job)
-        job.check_time()
-    work = buried(work, job)
+        work = buried(work, job)
+    job.check_time()
     return thickened(work, job)
 
 
-def _open(work: Work, job: Job) -> str:
-    edges = sum(len(Edges.of(patch.faces, len(patch.vertices)).boundary) for patch in work.patches)
-    return f"{len(work.patches)} of its pieces are open, at {edges} edges"
+def _open(work: Work, odd: IntArray) -> str:
+    edges = len(Edges.of(odd, len(work.vertices)).boundary)
+    faces = len(odd) + sum(len(patch.faces) for patch in work.patches)
+    return f"{faces} faces bound nothing, with {edges} open edges"
 
 
 def _finished(work: Work, job: Job) -> Repaired:
     """One solid of all closed pieces, checked and measured."""
     clock = process_time()
-    shells = tuple(shell for shell in work.shells if shell.volume != 0.0)
+    shells = tuple(shell for shell in work.shells if not enclosing_nothing(shell))
+    flat = [s.vertices[s.faces] for s in work.shells if enclosing_nothing(s)]
+    work = work.after(lost=stacked(work.lost, *flat))
     if not shells:
         return _refused("it encloses no volume", work)
     united = unite(shells, job.policy.cavities)
     if united is None:
         return _refused("the union of its pieces failed", work)
+    work = work.after(lost=stacked(work.lost, united.gone), fresh=stacked(work.fresh, united.put))
     vertices, new = job.frame.restored(united.vertices, job.mesh.vertices)
     vertices, faces, _ = split_nonmanifold(*referenced(vertices, united.faces))
     steps = []
@@ -230,15 +230,21 @@ def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
     moved = work.displacement * scale
     added = removed = added_p99 = removed_p99 = 0.0
     if len(fresh):
-        added = farthest(job.surface, fresh, side="surface", resolution=RESOLUTION)
+        added = farthest(
+            job.surface, fresh, side="surface", resolution=RESOLUTION, floor=job.budget / 10.0
+        )
         units = job.frame.inward(solid.vertices)
         added_p99 = quantile(job.surface, (units, solid.faces), side="surface")
     if len(lost):
         after = Surface(job.frame.inward(solid.vertices), solid.faces)
-        removed = farthest(after, lost, side="solid", resolution=RESOLUTION)
+        removed = farthest(
+            after, lost, side="solid", resolution=RESOLUTION, floor=job.budget / 10.0
+        )
         faces = np.delete(job.mesh.faces, degenerate(job.mesh.faces), axis=0)
         before = job.frame.inward(job.mesh.vertices), faces
         removed_p99 = quantile(after, before, side="solid")
+    if max(moved / scale, removed, added) < _ROUNDING:
+        return Deviation()
     return Deviation(
         removed * scale + moved,
         added * scale + moved,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import Edges, components, face_areas
+from assetpipe.geometry.health.topology import Edges, components, distinct, face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray
 
 
@@ -35,4 +35,4 @@ def wind_consistently(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, 
     flip = np.where(weight[patch] >= 0.0, as_is != patch, as_is == patch) & ~one_sided
     result = faces.copy()
     result[flip] = result[flip][:, ::-1]
-    return result, int(flip.sum()), len(np.unique(patch[one_sided]))
+    return result, int(flip.sum()), len(distinct(patch[one_sided]))

@@ -1,4 +1,4 @@
-"""The first rungs: one surface, wound consistently, taken apart into closed and open pieces."""
+"""The first rungs: closed pieces set aside, the rest wound and stitched."""
 
 from __future__ import annotations
 
@@ -6,42 +6,77 @@ from time import process_time
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import Edges, face_components, groups
+from assetpipe.geometry.health.topology import Edges, distinct, face_components, groups
 from assetpipe.geometry.health.weld import referenced
-from assetpipe.geometry.repair.clean import drop_duplicates
+from assetpipe.geometry.mesh import IntArray
 from assetpipe.geometry.repair.orient import wind_consistently
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.stitch import boundary_length, insert_junctions, weld_boundary
 from assetpipe.geometry.repair.unite import Shell
-from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
+from assetpipe.geometry.repair.work import Job, Work
 
 _STITCHES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Tolerances of the boundary weld, as shares of the unit; none beyond the budget."""
 
 
-def balanced(work: Work) -> bool:
-    """Whether the surface is a closed chain: every edge passed as often each way."""
-    return not Edges.of(work.faces, len(work.vertices)).balance.any()
+def set_aside(work: Work, job: Job) -> Work:
+    """Components whose edges all have two faces of the same winding become shells.
 
-
-def deduplicated(work: Work, job: Job) -> Work:
-    """Rung: faces over the same vertices as others, where dropping them leaves less open."""
+    What is left in ``faces`` is what needs repair.
+    """
     clock = process_time()
-    cleaned = drop_duplicates(work.vertices, work.faces)
-    if not cleaned.duplicate:
+    edges = Edges.of(work.faces, len(work.vertices))
+    number, label = face_components(edges)
+    rough = np.zeros(number, dtype=bool)
+    irregular = np.flatnonzero((edges.count != 2) | (edges.balance != 0))
+    rough[label[edges.order[edges.first[irregular]] // 3]] = True
+    shells = []
+    copied = 0
+    for k, chosen in enumerate(groups(label, number)):
+        if rough[k]:
+            continue
+        vertices, faces, added = split_nonmanifold(*referenced(work.vertices, work.faces[chosen]))
+        copied += added
+        shells.append(Shell.of(vertices, faces))
+    copied += _shared(work.faces, label, rough)
+    steps: tuple[Step, ...] = ()
+    if copied:
+        what = f"took vertices apart at which pieces only touch ({copied} copies)"
+        steps = (Step(Rung.SPLIT, what, seconds=process_time() - clock),)
+    return work.after(*steps, faces=work.faces[rough[label]], shells=tuple(shells))
+
+
+def _shared(faces: IntArray, label: IntArray, rough: np.ndarray) -> int:
+    """How many more vertices components have on their own than together."""
+    smooth = ~rough[label]
+    if not smooth.any():
+        return 0
+    own = np.repeat(label[smooth], 3) * np.int64(faces.max() + 1) + faces[smooth].ravel()
+    return len(distinct(own)) - len(distinct(faces[smooth]))
+
+
+def halved(work: Work) -> tuple[IntArray, IntArray]:
+    """The faces in components all of whose edges have an even number of faces, and the others."""
+    if not len(work.faces):
+        return work.faces, work.faces
+    edges = Edges.of(work.faces, len(work.vertices))
+    number, label = face_components(edges)
+    odd = np.zeros(number, dtype=bool)
+    odd[label[edges.order[edges.first[np.flatnonzero(edges.count % 2)]] // 3]] = True
+    return work.faces[~odd[label]], work.faces[odd[label]]
+
+
+def wound(work: Work, job: Job) -> Work:
+    """Rung: neighbouring faces wind the same way."""
+    clock = process_time()
+    faces, flipped, one_sided = wind_consistently(work.vertices, work.faces)
+    if not flipped:
         return work
-    step = Step(
-        Rung.CLEAN,
-        f"dropped {cleaned.duplicate} duplicate faces",
-        seconds=process_time() - clock,
-    )
-    return work.after(
-        step,
-        vertices=cleaned.vertices,
-        faces=cleaned.faces,
-        lost=stacked(work.lost, cleaned.gone),
-    )
+    what = f"turned {flipped} faces to agree with their neighbours"
+    if one_sided:
+        what += f"; {one_sided} patches are one-sided"
+    return work.after(Step(Rung.ORIENT, what, seconds=process_time() - clock), faces=faces)
 
 
 def stitched(work: Work, job: Job) -> Work:
@@ -77,41 +112,3 @@ def stitched(work: Work, job: Job) -> Work:
         seconds=process_time() - clock,
     )
     return work.after(step, vertices=vertices, faces=faces, displacement=work.displacement + moved)
-
-
-def wound(work: Work, job: Job) -> Work:
-    """Rung: neighbouring faces wind the same way."""
-    clock = process_time()
-    faces, flipped, one_sided = wind_consistently(work.vertices, work.faces)
-    if not flipped:
-        return work
-    what = f"turned {flipped} faces to agree with their neighbours"
-    if one_sided:
-        what += f"; {one_sided} patches are one-sided"
-    return work.after(Step(Rung.ORIENT, what, seconds=process_time() - clock), faces=faces)
-
-
-def taken_apart(work: Work, job: Job) -> Work:
-    """Rung: no edge with more than two faces, no vertex with several umbrellas; pieces."""
-    clock = process_time()
-    vertices, faces, added = split_nonmanifold(work.vertices, work.faces)
-    steps: tuple[Step, ...] = ()
-    if added:
-        what = f"split non-manifold edges and vertices ({added} vertices added)"
-        steps = (Step(Rung.SPLIT, what, seconds=process_time() - clock),)
-    edges = Edges.of(faces, len(vertices))
-    number, label = face_components(edges)
-    odd = np.flatnonzero(edges.balance != 0)
-    open_faces = edges.order[edges.first[odd]] // 3
-    is_open = np.zeros(number, dtype=bool)
-    is_open[label[open_faces]] = True
-    shells, patches = [], []
-    for k, chosen in enumerate(groups(label, number)):
-        piece, own = referenced(vertices, faces[chosen])
-        if is_open[k]:
-            patches.append(Patch(piece, own))
-        else:
-            shells.append(Shell.of(piece, own))
-    return work.after(
-        *steps, vertices=vertices, faces=faces, shells=tuple(shells), patches=tuple(patches)
-    )

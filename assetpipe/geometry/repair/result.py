@@ -18,6 +18,7 @@ class Rung(Enum):
     CLEAN = "clean"
     STITCH = "stitch"
     SPLIT = "split"
+    UNTANGLE = "untangle"
     UNITE = "unite"
     FILL = "fill"
     WINDING = "winding"

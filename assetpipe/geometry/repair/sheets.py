@@ -1,9 +1,8 @@
 """Open surfaces given a thickness.
 
-Every face gets two sides. Around an edge, going by angle, the side of one face that
-looks at the next is joined to that one's side that looks back; along a rim a strip joins
-the two sides of the same face. The result is closed whatever the number of faces at
-an edge and however they are wound, one-sided surfaces included.
+Both sides of every face are drawn apart, joined around edges as :mod:`sides` says; along
+a rim a strip joins the two sides of the same face. The result is closed whatever the
+number of faces at an edge and however they are wound, one-sided surfaces included.
 """
 
 from __future__ import annotations
@@ -12,11 +11,18 @@ from typing import Literal
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import Edges, face_areas, umbrellas
-from assetpipe.geometry.health.weld import degenerate
+from assetpipe.geometry.health.topology import (
+    Edges,
+    components,
+    face_areas,
+    groups,
+    umbrellas,
+)
+from assetpipe.geometry.health.weld import degenerate, referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.holes import cap, openings
-from assetpipe.geometry.repair.split import by_angle, split_nonmanifold
+from assetpipe.geometry.repair.sides import joined_sides, rims, two_sided
+from assetpipe.geometry.repair.split import pair_half_edges, split_nonmanifold
 
 _MITER = 3.0
 _RANK = 0.02
@@ -41,47 +47,44 @@ def thicken(
         Vertices and faces; closed, every edge with two faces. Where the sheet bends more
         sharply than the thickness allows the result may cross itself nearby.
     """
-    two_sided, number, corners = _sides_joined(vertices, faces)
+    sides = two_sided(faces)
+    edges = Edges.of(faces, len(vertices))
+    number, corners = umbrellas(sides, *joined_sides(vertices, faces, edges))
     before = np.zeros(number, dtype=np.int64)
-    before[corners.ravel()] = two_sided.ravel()
+    before[corners.ravel()] = sides.ravel()
     outward = 0.0 if side == "inward" else thickness / 2.0
     offsets = np.repeat([outward, thickness - outward], len(faces))
-    moved = vertices[before] + _offset(vertices, two_sided, corners, offsets, number)
-    strips = _strips(faces, corners)
+    moved = vertices[before] + _offset(vertices, sides, corners, offsets, number)
+    strips = _strips(corners, rims(edges))
     closed = np.concatenate([corners, strips])
     closed = np.delete(closed, degenerate(closed), axis=0)
-    moved, closed, _ = split_nonmanifold(moved, closed)
     caps = [cap(moved, opening) for opening in openings(moved, closed)]
-    return moved, np.concatenate([closed, *caps])
+    closed = np.concatenate([closed, *caps])
+    closed = np.delete(closed, degenerate(closed), axis=0)
+    return split_nonmanifold(*referenced(moved, closed))[:2]
 
 
-def _sides_joined(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, int, IntArray]:
-    """Both sides of every face, and the vertices that they make when joined by angle."""
-    m = len(faces)
-    two_sided = np.concatenate([faces, faces[:, ::-1]])
+def manifold_pieces(vertices: FloatArray, faces: IntArray) -> list[tuple[FloatArray, IntArray]]:
+    """A complex cut where more than two faces meet, into pieces that have a side to each side.
+
+    Around such an edge faces stay together in pairs, by angle and winding; two faces that
+    meet alone stay together however they are wound.
+    """
     edges = Edges.of(faces, len(vertices))
-    several = np.flatnonzero(edges.count > 1)
-    half, owner = by_angle(vertices, edges, several)
-    if not len(half):
-        number, corners = umbrellas(two_sided, half, half)
-        return two_sided, number, corners
-    # The next half-edge around the same edge, the first after the last.
-    following = np.append(half[1:], half[0])
-    last = np.append(owner[1:] != owner[:-1], True)
-    start = np.flatnonzero(np.append(True, owner[1:] != owner[:-1]))
-    following[last] = half[start]
-    back = 3 * (half // 3 + m) + np.array([1, 0, 2])[half % 3]
-    forward = edges.forward[half]
-    ahead = np.where(forward, half, back)
-    back_next = 3 * (following // 3 + m) + np.array([1, 0, 2])[following % 3]
-    behind = np.where(edges.forward[following], back_next, following)
-    number, corners = umbrellas(two_sided, ahead, behind)
-    return two_sided, number, corners
+    first, second = pair_half_edges(vertices, edges)
+    third, fourth = edges.pair(edges.inconsistent)
+    a, b = np.concatenate([first, third]), np.concatenate([second, fourth])
+    corners_number, corners = umbrellas(faces, a, b)
+    source = np.zeros(corners_number, dtype=np.int64)
+    source[corners.ravel()] = faces.ravel()
+    number, label = components(len(faces), a // 3, b // 3)
+    apart = vertices[source]
+    return [referenced(apart, corners[chosen]) for chosen in groups(label, number)]
 
 
 def _offset(
     vertices: FloatArray,
-    two_sided: IntArray,
+    sides: IntArray,
     corners: IntArray,
     offsets: FloatArray,
     number: int,
@@ -91,12 +94,12 @@ def _offset(
     Least squares over the faces around it, weighted by their angles there; directions
     that no face determines stay put, and miters end at three times the offset.
     """
-    areas, normals = face_areas(vertices, two_sided)
+    areas, normals = face_areas(vertices, sides)
     unit = normals / np.maximum(2.0 * areas, np.finfo(float).tiny)[:, None]
     matrix = np.zeros((number, 3, 3))
     right = np.zeros((number, 3))
     for k in range(3):
-        p, q, r = (vertices[two_sided[:, (k + i) % 3]] for i in range(3))
+        p, q, r = (vertices[sides[:, (k + i) % 3]] for i in range(3))
         a, b = q - p, r - p
         weight = np.arctan2(2.0 * areas, np.einsum("ij,ij->i", a, b))
         outer = weight[:, None, None] * unit[:, :, None] * unit[:, None, :]
@@ -114,15 +117,12 @@ def _offset(
     return shrunk
 
 
-def _strips(faces: IntArray, corners: IntArray) -> IntArray:
+def _strips(corners: IntArray, rim: IntArray) -> IntArray:
     """Two triangles along every rim edge, from one side of its face to the other."""
-    m = len(faces)
-    edges = Edges.of(faces, int(faces.max()) + 1)
-    rim = edges.order[edges.first[edges.boundary]]
     top = corners.ravel()
     start, end = top[rim], top[np.where(rim % 3 == 2, rim - 2, rim + 1)]
     # The reversed face [c, b, a] has corner k of the face at 2 - k.
-    back = 3 * (rim // 3 + m)
+    back = 3 * (rim // 3 + len(corners) // 2)
     k = rim % 3
     back_start, back_end = top[back + 2 - k], top[back + 2 - (k + 1) % 3]
     return np.concatenate(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import Edges, components
+from assetpipe.geometry.health.topology import Edges, components, distinct
 from assetpipe.geometry.health.weld import degenerate, referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.subdivide import insert_on_edges
@@ -44,7 +44,7 @@ def weld_boundary(vertices: FloatArray, faces: IntArray, tolerance: float) -> St
     from scipy.spatial import cKDTree
 
     edges = Edges.of(faces, len(vertices))
-    rim = np.unique(edges.ends[np.flatnonzero(edges.count % 2 == 1)])
+    rim = distinct(edges.ends[np.flatnonzero(edges.count % 2 == 1)])
     if not len(rim):
         return Stitched(vertices, faces)
     pairs = cKDTree(vertices[rim]).query_pairs(tolerance, output_type="ndarray")
@@ -74,7 +74,7 @@ def insert_junctions(vertices: FloatArray, faces: IntArray, tolerance: float) ->
     half = edges.order[edges.first[odd]]
     start = faces.ravel()[half]
     end = np.roll(faces, -1, axis=1).ravel()[half]
-    found = _on_edges(vertices, start, end, np.unique(edges.ends[odd]), tolerance)
+    found = _on_edges(vertices, start, end, distinct(edges.ends[odd]), tolerance)
     if found is None:
         return Stitched(vertices, faces)
     edge, vertex, share, distance = found

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from assetpipe.geometry.health.topology import distinct
 from assetpipe.geometry.mesh import IntArray
 
 
@@ -20,7 +21,7 @@ def insert_on_edges(faces: IntArray, points: Mapping[int, Sequence[int]]) -> Int
         Faces; untouched ones first, in their order. Faces around the same point on
         several half-edges meet there.
     """
-    touched = np.unique(np.fromiter((half // 3 for half in points), dtype=np.int64))
+    touched = distinct(np.fromiter((half // 3 for half in points), dtype=np.int64))
     pieces: list[tuple[int, int, int]] = []
     for f in touched.tolist():
         a, b, c = faces[f].tolist()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,6 +11,10 @@ from assetpipe.geometry.mesh import FloatArray, IntArray
 
 Corners = npt.NDArray[np.float64]
 """(n, 3, 3): the corners of n triangles."""
+
+NEAR = 1e-4
+"""Units next to a surface within which fast winding numbers are not trusted: libigl
+computes them in single precision. What is nearer counts as outside."""
 
 
 def no_corners() -> Corners:
@@ -20,26 +26,31 @@ class Surface:
     """Distances to, and winding numbers of, one triangle surface (in units)."""
 
     def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
-        import igl
-
         self.vertices = np.ascontiguousarray(vertices)
         self.faces = np.ascontiguousarray(faces)
-        self._tree = igl.AABB()
-        self._tree.init(self.vertices, self.faces)
-        self._winding: igl.FastWindingNumberBVH | None = None
+        self._tree: Any = None
+        self._winding: Any = None
+
+    def _nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
+        import igl
+
+        if self._tree is None:
+            self._tree = igl.AABB()
+            self._tree.init(self.vertices, self.faces)
+        squared, face, point = self._tree.squared_distance(
+            self.vertices, self.faces, np.ascontiguousarray(points)
+        )
+        return np.sqrt(np.maximum(squared, 0.0)), face, point
 
     def distance(self, points: FloatArray) -> FloatArray:
         """(n,) distance of each point to the surface."""
-        if not len(points):
-            return np.zeros(0)
-        squared, _, _ = self._tree.squared_distance(self.vertices, self.faces, points)
-        result: FloatArray = np.sqrt(np.maximum(squared, 0.0))
-        return result
+        return self.closest(points)[0]
 
     def closest(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
         """(n,) distances, (n,) faces and (n, 3) closest points."""
-        squared, face, point = self._tree.squared_distance(self.vertices, self.faces, points)
-        return np.sqrt(np.maximum(squared, 0.0)), face, point
+        if not len(points):
+            return np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        return self._nearest(points)
 
     def winding(self, points: FloatArray) -> FloatArray:
         """(n,) generalized winding number (Barill et al. 2018), to about 1e-2."""
@@ -54,9 +65,9 @@ class Surface:
         return result
 
     def outside(self, points: FloatArray) -> FloatArray:
-        """(n,) distance to the solid: zero for points inside."""
+        """(n,) distance to the solid: zero for points inside by more than :data:`NEAR`."""
         distance = self.distance(points)
-        away = np.flatnonzero(distance > 0.0)
+        away = np.flatnonzero(distance > NEAR)
         inside = np.abs(self.winding(points[away])) > 0.5
         distance[away[inside]] = 0.0
         return distance

@@ -6,7 +6,7 @@ run in float64 on a centred unit copy.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -14,6 +14,10 @@ import numpy as np
 from assetpipe.geometry.health.topology import Edges, face_components, groups
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.surface import Corners, no_corners
+
+_BELOW = 1e-4
+"""How far below a face to look, in proportion to the face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,11 +114,18 @@ def nest(shells: list[Shell]) -> Nest:
 
 
 def _contains(outer: Shell, inner: Shell) -> bool:
-    """Whether the vertices of ``inner`` (at most 32 of them) all lie within ``outer``."""
+    """Whether ``inner`` lies within ``outer``; it may touch it from inside.
+
+    Judged at 32 points just below its faces, whichever way it is wound.
+    """
     import igl
 
-    step = max(1, len(inner.vertices) // 32)
-    winding = igl.winding_number(outer.vertices, outer.faces, inner.vertices[::step])
+    corners = inner.vertices[inner.faces[:: max(1, len(inner.faces) // 32)]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    down = -np.sign(inner.volume) * _BELOW / np.sqrt(np.maximum(length, np.finfo(float).tiny))
+    points = corners.mean(axis=1) + down[:, None] * normal
+    winding = igl.winding_number(outer.vertices, outer.faces, points)
     return bool((np.abs(winding) > 0.5).all())
 
 
@@ -130,6 +141,9 @@ class United:
         buried: shells that lay wholly inside others and facing outward.
         joined: ``"alone"``: a single shell; ``"apart"``: shells that don't overlap, put side
             by side; ``"union"``.
+        gone: triangles of shells that manifold3d did not take as they are.
+        put: what it took instead.
+        turned: triangles of the shells that were inside-out.
     """
 
     vertices: FloatArray
@@ -138,6 +152,9 @@ class United:
     cavities: int
     buried: int
     joined: Literal["alone", "apart", "union"]
+    gone: Corners = field(default_factory=no_corners)
+    put: Corners = field(default_factory=no_corners)
+    turned: Corners = field(default_factory=no_corners)
 
 
 def unite(shells: tuple[Shell, ...], cavities: Literal["keep", "fill"]) -> United | None:
@@ -147,6 +164,16 @@ def unite(shells: tuple[Shell, ...], cavities: Literal["keep", "fill"]) -> Unite
         ``None`` if manifold3d refuses a shell.
     """
     nested = nest(list(shells))
+    turned = np.concatenate(
+        [
+            no_corners(),
+            *(
+                shell.vertices[shell.faces]
+                for shell, above in zip(shells, nested.parent, strict=True)
+                if above < 0 and shell.volume < 0.0
+            ),
+        ]
+    )
     shells, parent = nested.shells, nested.parent
     every = range(len(shells))
     hollow = [parent[i] >= 0 and shells[i].volume < 0.0 for i in every]
@@ -166,7 +193,10 @@ def unite(shells: tuple[Shell, ...], cavities: Literal["keep", "fill"]) -> Unite
     merged = _boolean(shells, bodies + covered, kept, parent)
     if merged is None:
         return None
-    return United(*merged, nested.inverted, len(voids), len(covered), "union")
+    union, gone, put = merged
+    return United(
+        *arrays_of(union), nested.inverted, len(voids), len(covered), "union", gone, put, turned
+    )
 
 
 def put_together(parts: list[Shell]) -> tuple[FloatArray, IntArray]:
@@ -210,28 +240,53 @@ def arrays_of(solid: Any) -> tuple[FloatArray, IntArray]:
 
 def _boolean(
     shells: tuple[Shell, ...], bodies: list[int], voids: list[int], parent: tuple[int, ...]
-) -> tuple[FloatArray, IntArray] | None:
+) -> tuple[Any, Corners, Corners] | None:
+    """The union as a manifold3d solid, and the triangles that it took away and put instead.
+
+    manifold3d replaces faces that are degenerate to it, and refuses some shells whole.
+    """
     import manifold3d
+
+    gone, put = [no_corners()], [no_corners()]
+
+    def taken(shell: Shell) -> Any | None:
+        solid = manifold_of(shell.vertices, shell.faces)
+        if solid is None:
+            gone.append(shell.vertices[shell.faces])
+            return None
+        vertices, faces = arrays_of(solid)
+        before, after = different(shell.vertices, shell.faces, vertices, faces)
+        gone.append(shell.vertices[shell.faces[before]])
+        put.append(vertices[faces[after]])
+        return solid
 
     solids: list[Any] = []
     for i in bodies:
-        shell = shells[i] if shells[i].volume >= 0.0 else shells[i].reversed()
-        solid = manifold_of(shell.vertices, shell.faces)
-        if solid is None:
-            return None
-        own = [manifold_of(s.vertices, s.faces) for s in _holes(shells, voids, parent, i)]
-        for hole in own:
-            if hole is None:
-                return None
-            solid = solid - hole
-        solids.append(solid)
+        solid = taken(shells[i] if shells[i].volume >= 0.0 else shells[i].reversed())
+        for j in voids:
+            if solid is not None and parent[j] == i:
+                hole = taken(shells[j].reversed())
+                solid = solid if hole is None else solid - hole
+        if solid is not None:
+            solids.append(solid)
     union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
     if union.status() != manifold3d.Error.NoError or union.is_empty():
         return None
-    return arrays_of(union)
+    return union, np.concatenate(gone), np.concatenate(put)
 
 
-def _holes(
-    shells: tuple[Shell, ...], voids: list[int], parent: tuple[int, ...], body: int
-) -> list[Shell]:
-    return [shells[j].reversed() for j in voids if parent[j] == body]
+def different(
+    vertices: FloatArray, faces: IntArray, others: FloatArray, other_faces: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Indices of faces that the other surface has not, corner for corner, and the reverse."""
+    rows = np.dtype((np.void, 24))
+    everything = np.ascontiguousarray(np.concatenate([vertices, others]) + 0.0)
+    _, names = np.unique(everything.view(rows).ravel(), return_inverse=True)
+    mine, theirs = names[: len(vertices)][faces], names[len(vertices) :][other_faces]
+    keys = np.sort(np.concatenate([mine, theirs]), axis=1)
+    number = np.int64(names.max() + 1)
+    # Two numbers for three names: at most 2⁶³ for two million vertices.
+    _, pair = np.unique(keys[:, 0] * number + keys[:, 1], return_inverse=True)
+    key = pair.astype(np.int64) * number + keys[:, 2]
+    own, other = key[: len(faces)], key[len(faces) :]
+    return np.flatnonzero(~np.isin(own, other)), np.flatnonzero(~np.isin(other, own))

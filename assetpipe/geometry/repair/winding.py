@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assetpipe.geometry.health.topology import distinct, missing
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.split import split_nonmanifold
@@ -92,7 +93,8 @@ def solid_of_soup(
     whole = manifold_of(points, triangles)
     if whole is None:
         return None
-    return arrays_of(whole.simplify(cell / 20.0))
+    simple = whole.simplify(cell / 20.0)
+    return None if simple.is_empty() else arrays_of(simple)
 
 
 # The order in which libigl's marching cubes numbers a cell's corners.
@@ -115,13 +117,13 @@ def _cells(
     near = igl.lipschitz_octree(low, cell * (1 << depth), depth, surface.distance)
     if len(near) > limit:
         return None
-    active = np.unique(lattice.code(np.asarray(near, dtype=np.int64)))
+    active = distinct(lattice.code(np.asarray(near, dtype=np.int64)))
     codes = np.zeros(0, dtype=np.int64)
     values = np.zeros(0)
     fresh = active
     for _ in range(_ROUNDS):
         corners = lattice.code(lattice.ijk(fresh)[:, None] + _CORNERS)
-        unknown = np.setdiff1d(corners, codes)
+        unknown = missing(corners, codes)
         codes = np.concatenate([codes, unknown])
         values = np.concatenate([values, surface.winding(lattice.points(unknown))])
         order = np.argsort(codes, kind="stable")
@@ -133,10 +135,10 @@ def _cells(
             steps.append(lattice.ijk(fresh[crossed]) + step)
         reached = np.concatenate(steps)
         reached = reached[((reached >= 0) & (reached < lattice.size - 1)).all(axis=1)]
-        fresh = np.setdiff1d(lattice.code(reached), active)
+        fresh = missing(lattice.code(reached), active)
         if not len(fresh):
             return lattice, active, codes, values
-        active = np.union1d(active, fresh)
+        active = distinct(np.concatenate([active, fresh]))
         if len(active) > limit:
             return None
     return None

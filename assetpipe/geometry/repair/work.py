@@ -32,6 +32,21 @@ class Patch:
 
 
 @dataclass(frozen=True, eq=False)
+class Piece:
+    """Faces that belong together by their winding, with caps; vertices of its own.
+
+    Attributes:
+        vertices: (n, 3), units.
+        faces: (m, 3).
+        closed: whether no opening is left.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    closed: bool
+
+
+@dataclass(frozen=True, eq=False)
 class Job:
     """What stays the same on the way: the input, what may be done, and how long.
 
@@ -68,6 +83,7 @@ class Work:
         faces: (m, 3).
         shells: closed pieces.
         patches: open pieces.
+        pieces: what ``faces`` are apart, once openings have been closed.
         fresh: triangles that the input did not have.
         lost: triangles of the input that were replaced or dropped.
         displacement: bound on how far points of the input were moved.
@@ -78,6 +94,7 @@ class Work:
     faces: IntArray
     shells: tuple[Shell, ...] = ()
     patches: tuple[Patch, ...] = ()
+    pieces: tuple[Piece, ...] = ()
     fresh: Corners = field(default_factory=no_corners)
     lost: Corners = field(default_factory=no_corners)
     displacement: float = 0.0

@@ -1,0 +1,50 @@
+"""The rung that drops stray sheets."""
+
+from __future__ import annotations
+
+from time import process_time
+
+import numpy as np
+
+from assetpipe.geometry.repair.deviation import RESOLUTION, farthest_each
+from assetpipe.geometry.repair.result import Rung, Step
+from assetpipe.geometry.repair.surface import Surface
+from assetpipe.geometry.repair.unite import Shell, put_together
+from assetpipe.geometry.repair.work import Job, Work, stacked
+
+
+def buried(work: Work, job: Job) -> Work:
+    """Rung: stray sheets that lie inside the solid, or on it, are dropped."""
+    if not work.patches or not work.shells:
+        return work
+    clock = process_time()
+    solid = Surface(*put_together(list(outward(work.shells))))
+    apart = farthest_each(
+        solid,
+        stacked(*(patch.corners for patch in work.patches)),
+        np.repeat(np.arange(len(work.patches)), [len(patch.faces) for patch in work.patches]),
+        len(work.patches),
+        side="solid",
+        resolution=RESOLUTION,
+        floor=job.thickness,
+        ceiling=job.thickness,
+    )
+    kept = [patch for patch, a in zip(work.patches, apart, strict=True) if a > job.thickness]
+    gone = [
+        patch.corners for patch, a in zip(work.patches, apart, strict=True) if a <= job.thickness
+    ]
+    if not gone:
+        return work
+    worst = float(apart[apart <= job.thickness].max())
+    step = Step(
+        Rung.CLEAN,
+        f"dropped {len(gone)} open sheets inside the solid",
+        moved=worst * job.frame.scale,
+        seconds=process_time() - clock,
+    )
+    return work.after(step, patches=tuple(kept), lost=stacked(work.lost, *gone))
+
+
+def outward(shells: tuple[Shell, ...]) -> list[Shell]:
+    """Shells, those facing inward reversed."""
+    return [shell if shell.volume >= 0.0 else shell.reversed() for shell in shells]

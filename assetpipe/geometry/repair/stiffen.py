@@ -1,0 +1,98 @@
+"""The rung that gives open sheets a thickness."""
+
+from __future__ import annotations
+
+from time import process_time
+from typing import Literal
+
+import numpy as np
+
+from assetpipe.findings import Finding, Severity
+from assetpipe.geometry.health.topology import Edges, face_areas
+from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.clean import one_of_each
+from assetpipe.geometry.repair.deviation import RESOLUTION, farthest
+from assetpipe.geometry.repair.fill import capped
+from assetpipe.geometry.repair.holes import cap, openings
+from assetpipe.geometry.repair.result import Rung, Step
+from assetpipe.geometry.repair.sheets import manifold_pieces, thicken
+from assetpipe.geometry.repair.unite import shells_of, signed_volume
+from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
+
+
+def thickened(work: Work, job: Job) -> Work:
+    """Rung: what is still open becomes a thick sheet."""
+    if not work.patches:
+        return work
+    clock = process_time()
+    scale = job.frame.scale
+    shells, fresh = list(work.shells), [work.fresh]
+    moved = 0.0
+    findings = [finding for patch in work.patches for finding in _wide(patch, job)]
+    for sheet in work.patches:
+        job.check_time()
+        solids = []
+        for vertices, faces in manifold_pieces(sheet.vertices, one_of_each(sheet.faces)):
+            bounds, wound = _turned(vertices, faces)
+            side: Literal["inward", "centred"] = "inward" if bounds else "centred"
+            solids.append(thicken(vertices, wound, job.thickness, side))
+        shells += [shell for solid in solids for shell in shells_of(*solid)]
+        triangles = stacked(*(vertices[faces] for vertices, faces in solids))
+        fresh.append(triangles)
+        apart = farthest(
+            job.surface,
+            triangles,
+            side="surface",
+            resolution=RESOLUTION,
+            floor=job.budget / 10.0,
+        )
+        moved = max(moved, apart)
+    step = Step(
+        Rung.SHEET,
+        f"gave {len(work.patches)} open sheets a thickness of {job.thickness * scale:.3g} m",
+        moved=moved * scale,
+        volume_change=None,
+        seconds=process_time() - clock,
+    )
+    return work.after(
+        step,
+        findings=tuple(findings),
+        shells=tuple(shells),
+        patches=(),
+        fresh=stacked(*fresh),
+    )
+
+
+def _turned(vertices: FloatArray, faces: IntArray) -> tuple[bool, IntArray]:
+    """The winding that faces outward, judged by the volume over the caps, if it can be."""
+    edges = Edges.of(faces, len(vertices))
+    if len(edges.inconsistent) or len(edges.nonmanifold):
+        return False, faces
+    area = float(face_areas(vertices, faces)[0].sum())
+    caps = [cap(vertices, opening) for opening in openings(vertices, faces)]
+    volume = signed_volume(vertices, np.concatenate([faces, *caps]))
+    if abs(volume) < 1e-6 * area:
+        return False, faces
+    return True, faces if volume > 0.0 else faces[:, ::-1]
+
+
+def _wide(patch: Patch, job: Job) -> list[Finding]:
+    """What to say about the widest opening of a patch that bounds a body nearly."""
+    trial = capped(patch.vertices, patch.faces, job)
+    wide = np.flatnonzero(trial.apart > job.budget)
+    if not len(wide):
+        return []
+    scale = job.frame.scale
+    opening = max((trial.openings[i] for i in wide), key=lambda o: o.width)
+    at = ", ".join(f"{x:.4g}" for x in job.frame.outward(opening.centre[None])[0])
+    flat = "plane" if opening.flatness < 0.01 * opening.width else "not plane"
+    return [
+        Finding(
+            "AP208",
+            Severity.WARNING,
+            f"{len(wide)} openings are wider than the repair budget allows to close; the "
+            f"widest, {opening.width * scale:.4g} m at ({at}) and {flat}, was left open and "
+            f"the surface given a thickness of {job.thickness * scale:.3g} m",
+            hint="if the part is solid, close the mesh or set repair openings to 'fill'",
+        )
+    ]
