@@ -27,6 +27,9 @@ def thickening(
     on_progress: Callable[[float], object] | None = None,
 ) -> list[_Bounds]: ...
 def convex_hull(vertices: _Floats) -> tuple[_Floats, _Ints]: ...
+def split(
+    vertices: _Floats, faces: _Ints, normal: tuple[float, float, float], offset: float
+) -> tuple[tuple[_Floats, _Ints] | None, tuple[_Floats, _Ints] | None]: ...
 
 # --- polygons (crates/polygon) ---
 

@@ -52,7 +52,8 @@ pub fn points(py: Python<'_>, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec
         .collect())
 }
 
-type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
+/// Vertices (n, 3) and faces (m, 3).
+pub type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
 /// A mesh to arrays.
 pub fn arrays<'py>(py: Python<'py>, mesh: &Mesh) -> Arrays<'py> {

@@ -9,6 +9,7 @@
 mod arrays;
 mod decomposition;
 mod errors;
+mod geometry;
 mod polygon;
 mod watch;
 
@@ -21,5 +22,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::thickening, module)?)?;
-    module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)
+    module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::split, module)?)
 }
