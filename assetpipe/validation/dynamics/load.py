@@ -207,7 +207,8 @@ def load_in_engine(
         seed: of the probes.
 
     Raises:
-        InputError: the file does not exist or is larger than 64 MiB.
+        InputError: the file does not exist, is larger than 64 MiB, or its markup is beyond
+            what readers of robots tolerate.
         UsageError: an engine that does not exist or is not installed was asked for.
     """
     if not urdf.is_file():
@@ -287,37 +288,46 @@ def _attempt(
 def _rewrite(
     urdf: Path, copy: Path, resolved: Mapping[str, Path], visuals: Literal["kept", "removed"]
 ) -> None:
-    """Write a copy with absolute mesh references, for the engine's eyes only."""
-    from lxml import etree
+    """Write a copy with absolute mesh references, for the engine's eyes only.
 
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
-    )
-    try:
-        tree = etree.parse(str(urdf), parser)
-    except etree.XMLSyntaxError as error:
-        raise InputError(
-            f"not well-formed XML: {error.msg}", location=Location(urdf, error.lineno)
-        ) from error
-    for mesh in tree.getroot().iter("mesh"):
-        reference = mesh.get("filename", "")
-        if reference in resolved:
-            mesh.set("filename", str(resolved[reference].resolve()))
-        elif "://" not in reference and not Path(reference).is_absolute():
-            mesh.set("filename", str((urdf.parent / reference).resolve()))
+    It is read as leniently as robots are: what engines tolerate must not end here.
+    """
+    from assetpipe.robot.markup import read_markup
+    from assetpipe.robot.splice import Edit, spliced, value_edit
+
+    markup = read_markup(urdf.read_bytes(), urdf)
+    removed: list[Edit] = []
     if visuals == "removed":
-        for visual in list(tree.getroot().iter("visual")):
-            visual.getparent().remove(visual)
-    tree.write(str(copy), encoding="utf-8", xml_declaration=True)
+        links = markup.root.all("link")
+        removed = [Edit(v.start, v.end, b"") for link in links for v in link.all("visual")]
+    edits = list(removed)
+    for mesh in (e for e in markup.root.walk() if e.tag == "mesh"):
+        if any(r.start <= mesh.start < r.end for r in removed):
+            continue
+        reference = mesh.attributes.get("filename", "")
+        target: Path | None = resolved.get(reference)
+        if target is None and "://" not in reference and not Path(reference).is_absolute():
+            target = urdf.parent / reference
+        edit = target and value_edit(markup.text, mesh, "filename", str(target.resolve()))
+        if edit:
+            edits.append(edit)
+    # Text around the root is left out: other parsers fail on what stands there.
+    start, end = markup.root.start, markup.root.end
+    copy.write_bytes(
+        spliced(
+            markup.text[start:end], [Edit(e.start - start, e.end - start, e.text) for e in edits]
+        )
+    )
 
 
-def _words(answer: WorkerAnswer) -> str:
-    """What the engine said, on one line and without its source positions."""
+def _words(answer: WorkerAnswer, urdf: Path) -> str:
+    """What the engine said, on one line, without its source positions and our folders."""
+    folder = f"{urdf.parent.resolve()}/"
     lines = [str(answer.answer.get("message") or ""), answer.signal or ""]
     for line in answer.log.splitlines():
         told = re.sub(r"b3(Warning|Error|Printf)\[[^\]]*\]:?", " ", line)
         lines.append(re.sub(r"\S*assetpipe-urdf-\w+/", "", told).strip())
-    told_once = dict.fromkeys(line.rstrip(".:") for line in lines if line)
+    told_once = dict.fromkeys(line.replace(folder, "").rstrip(".:") for line in lines if line)
     return "; ".join(told_once)[:500]
 
 
@@ -331,7 +341,7 @@ def _judge(
     answer: WorkerAnswer,
     stripped: bool,
 ) -> EngineLoad:
-    message = "" if _loaded(first) else _words(first)
+    message = "" if _loaded(first) else _words(first, urdf)
     if not _loaded(answer):
         outcome: LoadOutcome = "refused"
         if answer.outcome == "crashed":

@@ -177,7 +177,7 @@ def test_wrong_calls(tmp_path):
         load_in_engine(broken, {}, resolved={"a": tmp_path})
 
 
-def test_entities_are_not_expanded(tmp_path):
+def test_entities_are_refused(tmp_path):
     secret = tmp_path / "secret.txt"
     secret.write_text("very secret", encoding="utf-8")
     urdf = tmp_path / "entity.urdf"
@@ -186,5 +186,23 @@ def test_entities_are_not_expanded(tmp_path):
         '<robot name="x"><link name="a">&e;</link></robot>',
         encoding="utf-8",
     )
-    seen = load_in_engine(urdf, {"a": 0}, resolved={"none": secret})
-    assert "very secret" not in str(seen.as_dict())
+    with pytest.raises(InputError, match=r"entity\.urdf:1: .*entities"):
+        load_in_engine(urdf, {"a": 0}, resolved={"none": secret})
+
+
+def test_markup_that_engines_read_over_does_not_end_the_check(engine, tmp_path):
+    urdf, hulls, resolved = two_links(tmp_path)
+    text = urdf.read_text(encoding="utf-8").replace('version="1.0"', 'version="0.0"')
+    urdf.write_text("\n" + text + "after the end", encoding="utf-8")
+    seen = load_in_engine(urdf, EXPECTED, hulls=hulls, resolved=resolved, engine=engine)
+    assert seen.outcome == "loaded"
+    assert seen.disagreements.count == 0
+
+
+def test_words_of_the_engine_do_not_name_folders_of_the_machine(engine, tmp_path):
+    urdf, _, resolved = two_links(tmp_path)
+    (tmp_path / "meshes" / "arm_0.obj").unlink()
+    seen = load_in_engine(urdf, EXPECTED, resolved=resolved, engine=engine)
+    assert seen.outcome == "refused"
+    assert "arm_0.obj" in seen.message
+    assert str(tmp_path) not in seen.message
