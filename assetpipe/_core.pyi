@@ -20,6 +20,13 @@ def decompose(
     threads: int,
     on_progress: Callable[[float], object] | None = None,
 ) -> tuple[list[_Hull], int]: ...
+def parts(
+    vertices: _Floats,
+    faces: _Ints,
+    epsilon: float,
+    settings: Mapping[str, str | float],
+    threads: int,
+) -> list[list[tuple[_Floats, _Ints]]]: ...
 def thickening(
     vertices: _Floats,
     faces: _Ints,

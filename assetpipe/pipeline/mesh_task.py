@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,10 +115,36 @@ def _solid(
         findings.append(Finding("AP206", Severity.ERROR, error.message))
         return None
     facts["repair"] = repaired.as_dict()
-    findings += repaired.findings
+    tolerance = Tolerance(*params["tolerance"]).on(mesh)
+    findings += [graded(finding, repaired.moved, tolerance) for finding in repaired.findings]
     if repaired.solid is None and not any(f.severity is Severity.ERROR for f in repaired.findings):
         findings.append(Finding("AP202", Severity.ERROR, "the mesh cannot be made a solid"))
     return repaired
+
+
+NEGLIGIBLE = 0.01
+"""Share of the tolerance up to which a repair's movement is worth a note, not a warning."""
+
+
+def graded(finding: Finding, moved: float, tolerance: float) -> Finding:
+    """A repair's finding, weighed by what the user asked for.
+
+    AP201 is a warning where the surface moved by more than :data:`NEGLIGIBLE` of the
+    tolerance: below that, what repair did is lost in what decomposition may do.
+
+    Args:
+        finding: of the repair.
+        moved: upper bound on how far the surface moved, metres.
+        tolerance: metres.
+    """
+    if finding.code != "AP201" or moved == 0.0:
+        return finding
+    severity = Severity.WARNING if moved > NEGLIGIBLE * tolerance else Severity.NOTE
+    message = (
+        f"{finding.message}; the surface moved by at most {moved * 1000:.3g} mm, "
+        f"{100 * moved / tolerance:.2g}% of the tolerance"
+    )
+    return replace(finding, severity=severity, message=message)
 
 
 def _decompose(

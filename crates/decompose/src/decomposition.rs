@@ -7,6 +7,7 @@ use glam::DMat3;
 use rayon::prelude::*;
 
 use crate::candidates::frame;
+use crate::close::close;
 use crate::concavity::{Gap, Interval, Limits};
 use crate::control::Control;
 use crate::convex::{check_closed, is_convex};
@@ -55,6 +56,50 @@ pub fn decompose(
     threads: usize,
     control: &Control,
 ) -> Result<Decomposition, DecomposeError> {
+    run(mesh, epsilon, settings, threads, control).map(|found| found.0)
+}
+
+/// The parts under the hulls of [`decompose`], for those who check it: for each of its
+/// leaves the closed surfaces of the parts that it covers, in the frame and unit of the
+/// input.
+///
+/// # Errors
+/// As [`decompose`].
+pub fn parts(
+    mesh: &Mesh,
+    epsilon: f64,
+    settings: &SearchSettings,
+    threads: usize,
+    control: &Control,
+) -> Result<Vec<Vec<Mesh>>, DecomposeError> {
+    let (_, cover) = run(mesh, epsilon, settings, threads, control)?;
+    let Some((working, cover)) = cover else {
+        return Ok(vec![vec![mesh.clone()]]);
+    };
+    let surface = |&member: &u32| {
+        let mut part = close(&[&cover.parts[member as usize]]);
+        for p in &mut part.vertices {
+            *p = working.input(*p);
+        }
+        part
+    };
+    Ok(cover
+        .hulls
+        .iter()
+        .map(|hull| hull.members.iter().map(surface).collect())
+        .collect())
+}
+
+/// The decomposition and, unless the solid is convex, what it was made from.
+type Found = (Decomposition, Option<(Working, Cover)>);
+
+fn run(
+    mesh: &Mesh,
+    epsilon: f64,
+    settings: &SearchSettings,
+    threads: usize,
+    control: &Control,
+) -> Result<Found, DecomposeError> {
     check(mesh, epsilon)?;
     let hull = convex_hull(&mesh.vertices).map_err(flat)?;
     let own = volume(mesh);
@@ -70,10 +115,8 @@ pub fn decompose(
             concavity: Some(Interval::exactly(0.0)),
             children: None,
         };
-        return Ok(Decomposition {
-            hulls: vec![hull],
-            leaves: 1,
-        });
+        let hulls = vec![hull];
+        return Ok((Decomposition { hulls, leaves: 1 }, None));
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -92,7 +135,7 @@ fn concave(
     epsilon: f64,
     settings: &SearchSettings,
     control: &Control,
-) -> Result<Decomposition, DecomposeError> {
+) -> Result<Found, DecomposeError> {
     let frame = match settings.frame {
         FrameChoice::Mesh => DMat3::IDENTITY,
         FrameChoice::Faces => frame::choose(mesh),
@@ -149,7 +192,7 @@ fn concave(
         .map(|node| output(&working, node))
         .collect();
     control.report(1.0);
-    Ok(Decomposition { hulls, leaves })
+    Ok((Decomposition { hulls, leaves }, Some((working, cover))))
 }
 
 /// The cover with the fewest hulls of all variants, of these the tightest.

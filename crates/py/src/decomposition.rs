@@ -68,6 +68,29 @@ pub fn decompose<'py>(
     Ok((hulls, leaves))
 }
 
+/// The parts that the hulls of `decompose` cover: for each of its leaves a list of
+/// closed meshes (vertices, faces). For checks; nothing else needs them.
+#[pyfunction]
+pub fn parts<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    epsilon: f64,
+    settings: &Bound<'py, PyDict>,
+    threads: usize,
+) -> PyResult<Vec<Vec<MeshTuple<'py>>>> {
+    let solid = mesh(py, &vertices, &faces)?;
+    let settings = read_settings(py, settings)?;
+    let result = watch::run(py, None, |control| {
+        core::parts(&solid, epsilon, &settings, threads, control)
+    })?;
+    let found = result.map_err(|e| decompose_error(py, &e))?;
+    Ok(found
+        .iter()
+        .map(|group| group.iter().map(|part| arrays(py, part)).collect())
+        .collect())
+}
+
 fn read_settings(py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<SearchSettings> {
     let mut settings = SearchSettings::default();
     for (key, value) in given {

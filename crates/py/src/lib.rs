@@ -21,6 +21,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     polygon::register(module)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::parts, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::thickening, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::split, module)?)
