@@ -71,6 +71,11 @@ struct Corner {
 /// Half-spaces that a cell may be cut with: the bits of the set.
 const CUTS: usize = 58;
 
+/// A cell of at most 64 planes has fewer corners than this (2 · 64 − 4). Planes that
+/// almost coincide can make many more, each pair of corners on either side one; then
+/// the cell is left as it is, which only makes it larger.
+const CORNERS: usize = 124;
+
 /// A box cut by half-spaces, and corners whose convex hull holds it.
 #[derive(Clone, Debug)]
 pub(super) struct Polytope {
@@ -120,6 +125,9 @@ impl Polytope {
                 }),
         );
         for (index, space) in self.spaces.iter().take(CUTS).enumerate() {
+            if self.kept.len() > CORNERS {
+                break;
+            }
             let bit = 64u64 << index;
             self.values.clear();
             self.values.extend(
@@ -181,6 +189,66 @@ fn cut(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The lower facet of a real part, turned: its triangles are not quite in one plane,
+    /// and each cut once multiplied the corners, until memory was full.
+    #[test]
+    #[allow(
+        clippy::unreadable_literal,
+        reason = "a table of numbers as they were found"
+    )]
+    fn planes_that_almost_coincide_do_not_multiply_corners() {
+        let cell_box = Bounds {
+            lo: DVec3::new(0.380_882_885, 0.217_479_177, -0.153_926_274_533_257_75),
+            hi: DVec3::new(0.414_779_947, 0.268_546_065, -0.097_121_388),
+        };
+        #[rustfmt::skip]
+        let facet = [
+            [-4.65002e-09, -2.88097e-08, 0.15392626606063817],
+            [8.26785e-09, 1.89368e-07, 0.15392632919799143],
+            [2.13234e-08, 1.61967e-07, 0.1539263263615881],
+            [3.09015e-08, 1.39388e-07, 0.1539263236149623],
+            [3.79797e-08, 1.20453e-07, 0.15392632098048228],
+            [4.32178e-08, 1.04337e-07, 0.15392631846526814],
+            [4.70766e-08, 9.04342e-08, 0.153926316066583],
+            [4.98824e-08, 7.82995e-08, 0.15392631377787314],
+            [5.18706e-08, 6.75986e-08, 0.15392631159093412],
+            [5.32145e-08, 5.80738e-08, 0.1539263094966],
+            [5.40434e-08, 4.95215e-08, 0.15392630748502104],
+            [5.44545e-08, 4.17843e-08, 0.15392630554761214],
+            [5.45216e-08, 3.47343e-08, 0.15392630367558166],
+            [5.43015e-08, 2.82675e-08, 0.15392630186064346],
+            [5.38375e-08, 2.23002e-08, 0.15392630009541286],
+            [5.33053e-08, 1.79287e-08, 0.15392629873546876],
+            [1.09891e-07, 3.48522e-07, 0.15392641340247287],
+            [1.47050e-07, 3.55012e-07, 0.15392642969635556],
+            [1.88846e-07, 3.62774e-07, 0.15392644826534804],
+            [2.37143e-07, 3.72240e-07, 0.15392646998270587],
+            [2.94703e-07, 3.84062e-07, 0.15392649614867973],
+            [3.65871e-07, 3.99281e-07, 0.15392652881571933],
+            [4.57984e-07, 4.19664e-07, 0.15392657145577718],
+            [5.84429e-07, 4.48447e-07, 0.15392663040929302],
+            [7.72774e-07, 4.92314e-07, 0.1539267187434372],
+            [1.06288e-06, 5.61087e-07, 0.1539268554368071],
+        ];
+        let spaces = facet.map(|[x, y, offset]: [f64; 3]| HalfSpace {
+            normal: DVec3::new(x, y, -(1.0 - x * x - y * y).sqrt()),
+            offset,
+        });
+        let mut cell = Polytope::default();
+        cell.set(cell_box, spaces.into_iter(), 2e-10);
+        assert!(cell.corners.len() < 1000, "{}", cell.corners.len());
+        // The upper corners are far from all of it.
+        for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let pick = |k: i32, lo: f64, hi: f64| if k == 0 { lo } else { hi };
+            let expected = DVec3::new(
+                pick(x, cell_box.lo.x, cell_box.hi.x),
+                pick(y, cell_box.lo.y, cell_box.hi.y),
+                cell_box.hi.z,
+            );
+            assert!(cell.corners.iter().any(|p| p.distance(expected) < 1e-8));
+        }
+    }
 
     #[test]
     fn corners_of_a_cut_cube() {
