@@ -67,7 +67,8 @@ def disabled_pairs(
 def patch_srdf(source: bytes, pairs: Iterable[DisabledPair], *, path: Path | None = None) -> bytes:
     """Add missing entries to an SRDF; every byte that is there stays.
 
-    Entries that exist, in either order of their links, are left as they are.
+    Entries that exist, in either order of their links, are left as they are; so are pairs
+    that somebody enabled by name (``enable_collisions``).
 
     Args:
         source: the SRDF.
@@ -94,7 +95,7 @@ def patch_srdf(source: bytes, pairs: Iterable[DisabledPair], *, path: Path | Non
         raise InputError(f"SRDF's root is '{root.tag}', not 'robot'", location=where)
     there = {
         frozenset((entry.get("link1"), entry.get("link2")))
-        for entry in root.iter("disable_collisions")
+        for entry in root.iter("disable_collisions", "enable_collisions")
     }
     missing = [p for p in pairs if frozenset(p.pair) not in there]
     if not missing:

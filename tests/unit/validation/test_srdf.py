@@ -39,6 +39,42 @@ def test_missing_entries_are_added_and_nothing_is_lost():
     assert patched.replace(added, b"") == SOURCE
 
 
+MOVEIT = b"""<?xml version="1.0" encoding="UTF-8"?>
+<!--This does not replace URDF, and is not an extension of URDF.-->
+<robot name="panda" xmlns:xacro="http://www.ros.org/wiki/xacro">
+    <group name="panda_arm">
+        <chain base_link="panda_link0" tip_link="panda_link8" />
+    </group>
+    <group_state name="ready" group="panda_arm">
+        <joint name="panda_joint1" value="0" />
+    </group_state>
+    <end_effector name="hand" parent_link="panda_link8" group="hand" />
+    <virtual_joint name="v" type="fixed" parent_frame="world" child_link="panda_link0" />
+    <disable_default_collisions link="panda_hand" />
+    <enable_collisions link1="panda_hand" link2="panda_link5" />
+    <disable_collisions link1="panda_link0" link2="panda_link1" reason="Adjacent" />
+    <link_sphere_approximation link="panda_link0"><sphere center="0 0 0" radius="0.1"/>
+    </link_sphere_approximation>
+</robot>
+"""
+
+
+def test_an_srdf_as_moveit_writes_it_keeps_all_and_what_was_enabled_stays_enabled():
+    pairs = [
+        DisabledPair(("panda_hand", "panda_link5"), "Never"),
+        DisabledPair(("panda_link0", "panda_link1"), "Adjacent"),
+        DisabledPair(("panda_link0", "panda_link2"), "Never"),
+    ]
+    patched = patch_srdf(MOVEIT, pairs)
+    assert entries(patched) == [
+        ("panda_link0", "panda_link1", "Adjacent"),
+        ("panda_link0", "panda_link2", "Never"),
+    ]
+    before, after = MOVEIT.splitlines(), patched.splitlines()
+    assert [line for line in after if line in before] == before
+    assert len(after) == len(before) + 1
+
+
 def test_a_second_patch_changes_nothing():
     patched = patch_srdf(SOURCE, PAIRS)
     assert patch_srdf(patched, PAIRS) == patched
