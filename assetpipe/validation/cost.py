@@ -1,7 +1,7 @@
 """What a collision geometry costs where it is used: in a query, and in a physics step.
 
-Times depend on the machine and on what else it does: medians of several rounds, to be
-compared with each other and only within one run.
+CPU times, which depend on the machine and a little on what else it does: medians of several
+rounds, to be compared with each other and only within one run.
 """
 
 from __future__ import annotations
@@ -62,11 +62,11 @@ def query_microseconds(
     ]
     rounds = []
     for _ in range(ROUNDS):
-        began = time.perf_counter()
+        began = time.process_time()
         for sphere in spheres:
             data = fcl.DistanceData()
             world.distance(sphere, data, fcl.defaultDistanceCallback)
-        rounds.append((time.perf_counter() - began) / probes * 1e6)
+        rounds.append((time.process_time() - began) / probes * 1e6)
     return float(np.median(rounds))
 
 
