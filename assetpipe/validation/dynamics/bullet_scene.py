@@ -58,7 +58,10 @@ class _Body:
 
     def _convex(self, convex: dict[str, Any]) -> int:
         b, record = self.b, self.record
-        shape = b.createCollisionShape(b.GEOM_MESH, fileName=convex["obj"])
+        if convex["ball"] is not None:
+            shape = b.createCollisionShape(b.GEOM_SPHERE, radius=convex["ball"])
+        else:
+            shape = b.createCollisionShape(b.GEOM_MESH, fileName=convex["obj"])
         made = b.createMultiBody(
             0.0 if record["base"] == "fixed" else convex["mass"],
             shape,

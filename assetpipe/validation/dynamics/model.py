@@ -48,6 +48,14 @@ def write_model(
         shapes = link.shapes if role in ("moves", "frozen") else ()
         parts.append(f"<link name={quoteattr(link.name)}>")
         parts.append(_inertial_text(link.inertial))
+        ball = link.round_shape
+        if ball is not None and ball.kind == "sphere":
+            # A polyhedron would rest on a facet, and roll to it first.
+            parts += [
+                f'<collision><geometry><sphere radius="{ball.radius!r}"/></geometry></collision>'
+                for _ in shapes
+            ]
+            shapes = ()
         for shape in shapes:
             path = folder / f"{shape.digest[:24]}.obj"
             if not path.exists():
@@ -74,7 +82,11 @@ def write_model(
             "obj": str(folder / f"{asset.links[0].shapes[0].digest[:24]}.obj"),
             "mass": inertial.mass if inertial is not None else 0.0,
             "inertia": principal.tolist(),
+            "ball": None,
         }
+        ball = asset.links[0].round_shape
+        if ball is not None and ball.kind == "sphere":
+            convex["ball"] = ball.radius
     return {
         "name": asset.name,
         "urdf": str(urdf),

@@ -11,8 +11,9 @@ import numpy as np
 
 from assetpipe.validation.effects.motion import Motion
 from assetpipe.validation.effects.plan import Effect, Ref
+from assetpipe.validation.scenes.asset_spec import Material
 from assetpipe.validation.scenes.assets import SceneAsset, SceneJoint
-from assetpipe.validation.scenes.schema import EffectName, Material
+from assetpipe.validation.scenes.schema import EffectName
 
 DEFAULT_FRICTION = 0.5
 """Coulomb coefficient where a scene needs friction and states none."""

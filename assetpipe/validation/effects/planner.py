@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from itertools import combinations
 from typing import Literal
 
-from assetpipe.errors import ConfigError
+from assetpipe.validation.effects.check import check_references
 from assetpipe.validation.effects.motion import Motion
 from assetpipe.validation.effects.physics import Physics, decide
 from assetpipe.validation.effects.plan import (
@@ -61,7 +61,7 @@ def plan(
     if scope == "everything":
         overruled = dict.fromkeys(EFFECTS, "on")
     asked_on = {name for name, state in overruled.items() if state == "on"}
-    _check_names(scene, assets)
+    check_references(scene, assets)
     motion = Motion(scene, assets)
     method, why = _method(scene, motion)
     if asked_on and method != "dynamics":
@@ -176,43 +176,6 @@ def _method(scene: Scene, motion: Motion) -> tuple[Method, str]:
         "slide": "whether it catches is decided by contact forces",
     }
     return "dynamics", reasons[q]
-
-
-def _check_names(scene: Scene, assets: Mapping[str, SceneAsset]) -> None:
-    from assetpipe.errors import unknown_name
-
-    for reference in scene.between or ():
-        Motion(scene, assets).parts(reference)
-    joints: list[tuple[str, str]] = []
-    if scene.question == "open" and scene.subject is not None:
-        asset, _, joint = scene.subject.partition("/")
-        joints.append((asset, joint))
-        if joint in assets[asset].joint and joint not in assets[asset].moving:
-            raise ConfigError(f"joint '{joint}' of '{asset}' cannot open: add it to 'moving'")
-    if scene.question == "hold" and "/" in (scene.subject or ""):
-        Motion(scene, assets).parts(scene.subject or "")
-    for asset_name, motors in scene.drive.motors.items():
-        joints += [(asset_name, name) for name in motors.targets]
-    if scene.drive.trajectory is not None:
-        joints += [(scene.drive.trajectory.asset, n) for n in scene.drive.trajectory.joints]
-    for asset, joint in joints:
-        if joint not in assets[asset].joint:
-            raise ConfigError(
-                f"asset '{asset}': " + unknown_name("joint", joint, assets[asset].joint)
-            )
-        if assets[asset].joint[joint].mimic is not None:
-            leader = assets[asset].joint[joint].mimic
-            raise ConfigError(
-                f"joint '{joint}' of '{asset}' follows '{leader[0] if leader else ''}': "
-                "drive that one"
-            )
-    if scene.question == "self_collision" and scene.subject is not None:
-        linked = [item for item in assets[scene.subject].links if item.shapes]
-        if len(linked) < 2:
-            raise ConfigError(
-                f"asset '{scene.subject}' has {len(linked)} link with collision geometry: "
-                "self-collision needs two; for two assets ask 'contact'"
-            )
 
 
 def _pairs(

@@ -16,7 +16,8 @@ from assetpipe.validation.scenes.assets import SceneAsset, matrix_of
 
 if TYPE_CHECKING:
     from assetpipe.validation.effects.plan import Plan, Ref
-    from assetpipe.validation.scenes.schema import PathDrive, Scene
+    from assetpipe.validation.scenes.drive import PathDrive
+    from assetpipe.validation.scenes.schema import Scene
 
 TOUCHING = 1e-6
 """Metres below which a sweep counts as contact."""

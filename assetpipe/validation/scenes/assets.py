@@ -14,10 +14,10 @@ import numpy.typing as npt
 from assetpipe.errors import ConfigError, unknown_name
 from assetpipe.geometry.mesh import FloatArray, Mesh
 from assetpipe.validation.contact.pairs import LinkBody
-from assetpipe.validation.scenes.schema import Base, Material, Pose
+from assetpipe.validation.scenes.asset_spec import Base, Material, Pose
 
 JointKind = Literal["fixed", "revolute", "continuous", "prismatic"]
-Round = Literal["sphere", "cylinder", "capsule"]
+RoundKind = Literal["sphere", "cylinder", "capsule"]
 
 
 def matrix_of(xyz: Sequence[float], rpy: Sequence[float]) -> FloatArray:
@@ -64,6 +64,19 @@ class Inertial:
         return cls(mass, centre, inertia * (mass / total))
 
 
+@dataclass(frozen=True)
+class Round:
+    """The true shape of a body that can roll, of which its mesh is a polyhedron.
+
+    Attributes:
+        kind: which.
+        radius: metres.
+    """
+
+    kind: RoundKind
+    radius: float
+
+
 @dataclass(frozen=True, eq=False)
 class SceneLink:
     """One rigid link.
@@ -74,7 +87,7 @@ class SceneLink:
             a physics engine, whether it is convex or not.
         certificate: metres by which they may reach beyond the original.
         inertial: ``None`` for a link without mass.
-        round_shape: set for a body that can roll.
+        round_shape: set for a body that can roll; engines get a sphere as a sphere.
         kind: ``hulls`` where every shape is convex.
     """
 
@@ -168,6 +181,27 @@ class SceneAsset:
             if name not in self.joint:
                 where = f"asset '{self.name}': "
                 raise ConfigError(where + unknown_name("joint", name, self.joint))
+        for name, position in self.start.items():
+            self.check_position(name, position)
+
+    def check_position(self, name: str, position: float) -> None:
+        """Whether a joint can be put somewhere.
+
+        Raises:
+            ConfigError: it follows another one, or its limits are elsewhere.
+        """
+        joint = self.joint[name]
+        if joint.mimic is not None:
+            raise ConfigError(
+                f"joint '{name}' of '{self.name}' follows '{joint.mimic[0]}': set that one"
+            )
+        bounded = joint.lower <= joint.upper
+        if bounded and not joint.lower - 1e-9 <= position <= joint.upper + 1e-9:
+            unit = "m" if joint.kind == "prismatic" else "rad"
+            raise ConfigError(
+                f"joint '{name}' of '{self.name}' cannot be at {position:g} {unit}; its limits "
+                f"are {joint.lower:g} to {joint.upper:g} {unit}"
+            )
 
     @cached_property
     def link(self) -> Mapping[str, SceneLink]:

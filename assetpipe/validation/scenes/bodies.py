@@ -10,7 +10,7 @@ import numpy as np
 from assetpipe.errors import ConfigError
 from assetpipe.geometry.mesh import FloatArray, Mesh
 from assetpipe.validation.contact.probes import Probe
-from assetpipe.validation.scenes.schema import AssetSpec
+from assetpipe.validation.scenes.asset_spec import AssetSpec
 
 SIDES = 64
 """Sides of a round shape; its polygon is as large outside as inside the circle."""
@@ -23,7 +23,7 @@ def body_mesh(spec: AssetSpec) -> Mesh:
     the true area: they are neither always too thin nor always too thick.
 
     Raises:
-        ConfigError: the outline of an extrusion crosses itself or runs clockwise.
+        ConfigError: the outline of an extrusion crosses or touches itself, or runs clockwise.
     """
     if spec.body == "box" and spec.size is not None:
         unit = Probe.box(1.0)
@@ -94,16 +94,13 @@ def convex_hull(points: FloatArray) -> Mesh:
 def _extruded(outline: FloatArray, length: float) -> Mesh:
     from manifold3d import CrossSection, FillRule
 
-    section = CrossSection([outline], FillRule.Positive)
-    area = 0.5 * float(
-        np.sum(
-            outline[:, 0] * np.roll(outline[:, 1], -1) - outline[:, 1] * np.roll(outline[:, 0], -1)
-        )
-    )
-    if area <= 0.0:
+    x, y = outline.T
+    area = 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    section = CrossSection([outline], FillRule.NonZero)
+    if abs(float(section.area()) - abs(area)) > 1e-6 * abs(area) or section.num_contour() != 1:
+        raise ConfigError("the outline of an extrusion crosses or touches itself")
+    if area < 0.0:
         raise ConfigError("the outline of an extrusion must run counter-clockwise")
-    if abs(float(section.area()) - area) > 1e-6 * area or section.num_contour() != 1:
-        raise ConfigError("the outline of an extrusion crosses itself")
     solid = section.extrude(length).translate([0.0, 0.0, -length / 2.0]).to_mesh64()
     return Mesh(
         np.asarray(solid.vert_properties, dtype=np.float64)[:, :3],

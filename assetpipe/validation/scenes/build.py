@@ -13,6 +13,7 @@ import numpy as np
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import ConfigError, InputError, Location, unknown_name
 from assetpipe.geometry.mesh import FloatArray, Mesh
+from assetpipe.validation.scenes.asset_spec import AssetSpec, Collision
 from assetpipe.validation.scenes.assets import (
     Inertial,
     JointKind,
@@ -24,7 +25,7 @@ from assetpipe.validation.scenes.assets import (
     pose_matrix,
 )
 from assetpipe.validation.scenes.bodies import body_mesh, is_convex, mesh_path
-from assetpipe.validation.scenes.schema import AssetSpec, Collision, Scene
+from assetpipe.validation.scenes.schema import Scene
 
 if TYPE_CHECKING:
     from assetpipe.decomposition import EngineName
@@ -119,7 +120,10 @@ def _body(name: str, spec: AssetSpec, scene_file: Path | None, source: AssetProv
 
         mesh = read_mesh(mesh_path(spec, scene_file)).mesh
     else:
-        mesh = body_mesh(spec)
+        try:
+            mesh = body_mesh(spec)
+        except ConfigError as error:
+            raise ConfigError(f"asset '{name}': {error.message}") from error
     found = (
         Convexes((mesh,), 0.0)
         if is_convex(spec)
@@ -130,8 +134,8 @@ def _body(name: str, spec: AssetSpec, scene_file: Path | None, source: AssetProv
         mass = spec.mass if spec.mass is not None else max(DENSITY * abs(mesh.volume), 1e-3)
         inertial = Inertial.uniform((mesh,), mass)
     rolls: Round | None = None
-    if spec.body in ("sphere", "cylinder", "capsule"):
-        rolls = spec.body
+    if spec.body in ("sphere", "cylinder", "capsule") and spec.radius is not None:
+        rolls = Round(spec.body, spec.radius)
     link = SceneLink("body", found.shapes, found.certificate, inertial, rolls, found.kind)
     return SceneAsset(
         name,

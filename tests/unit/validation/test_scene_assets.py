@@ -8,12 +8,13 @@ from assetpipe.errors import ConfigError, InputError
 from assetpipe.geometry.mesh import Mesh
 from assetpipe.robot import forward_kinematics, read_robot
 from assetpipe.validation.dynamics.erode import eroded
+from assetpipe.validation.effects import plan
 from assetpipe.validation.profiles import insphere_radius
 from assetpipe.validation.scenes import Convexes, build_assets, parse_scene
+from assetpipe.validation.scenes.asset_spec import AssetSpec
 from assetpipe.validation.scenes.assets import Inertial, matrix_of
 from assetpipe.validation.scenes.bodies import body_mesh
 from assetpipe.validation.scenes.build import find_package
-from assetpipe.validation.scenes.schema import AssetSpec
 
 
 class WholeHulls:
@@ -119,7 +120,8 @@ def test_bodies_have_their_volume_and_stand_on_their_frame(spec, volume):
     ("outline", "told"),
     [
         ([[0, 0], [0, 1], [1, 1], [1, 0]], "counter-clockwise"),
-        ([[0, 0], [2, 0], [0, 2], [2, 2], [-1, 1]], "crosses itself"),
+        ([[0, 0], [2, 0], [0, 2], [2, 2], [-1, 1]], "crosses or touches itself"),
+        ([[0, 0], [1, 1], [1, 0], [0, 1]], "crosses or touches itself"),
     ],
 )
 def test_outlines_that_are_none(outline, told):
@@ -167,3 +169,59 @@ def test_an_eroded_hull_with_its_margin_stays_inside_the_hull(seed):
     from assetpipe.validation.contact.surface import outside_hulls
 
     assert outside_hulls(inner.vertices, [hull]).max() == pytest.approx(-0.002, abs=1e-9)
+
+
+ARM = {"package": "arm_gripper"}
+
+
+@pytest.mark.parametrize(
+    ("arm", "drive", "told"),
+    [
+        (
+            {"joints": {"elbow_joint": 99}},
+            {},
+            r"'elbow_joint' of 'arm' cannot be at 99 rad; .*-2\.2",
+        ),
+        (
+            {"joints": {"right_finger_joint": 0.01}},
+            {},
+            "'right_finger_joint' of 'arm' follows 'left_finger_joint': set that one",
+        ),
+        (
+            {"moving": ["elbow_joint"]},
+            {"motors": {"arm": {"targets": {"elbow_joint": -3}}}},
+            "'elbow_joint' of 'arm' cannot be at -3 rad",
+        ),
+    ],
+)
+def test_joints_are_put_only_where_they_can_be(arm, drive, told):
+    scene = parse_scene(
+        {
+            "title": "t",
+            "question": "hold",
+            "subject": "arm",
+            "assets": {"arm": {**ARM, **arm, "collision": "hull"}},
+            "drive": {"gravity": 9.81, **drive},
+            "limit": 0.1,
+        }
+    )
+    with pytest.raises(ConfigError, match=told):
+        plan(scene, build_assets(scene))
+
+
+def test_a_part_without_collision_geometry_is_no_part_of_a_contact(tmp_path):
+    urdf = tmp_path / "r.urdf"
+    urdf.write_text('<robot name="r"><link name="frame"/></robot>', encoding="utf-8")
+    scene = parse_scene(
+        {
+            "title": "t",
+            "question": "clearance",
+            "between": ["r/frame", "box"],
+            "assets": {
+                "r": {"urdf": str(urdf)},
+                "box": {"body": "box", "size": [1, 1, 1]},
+            },
+        }
+    )
+    with pytest.raises(ConfigError, match=r"'r/frame' has no collision geometry.*box/body"):
+        plan(scene, build_assets(scene))

@@ -193,3 +193,31 @@ def test_the_second_engine_gives_the_same_answers(name, provider):
     found = run_scene(name, provider=provider, options=SceneOptions(engine="mujoco"))
     assert found.message == ""
     assert found.expected is True, found.measured
+
+
+@pytest.mark.parametrize("engine", available_engines())
+def test_a_ball_set_down_stays_where_it_was_set(engine):
+    # As a polyhedron it rolled to one of its facets, by several centimetres.
+    scene = parse_scene(
+        {
+            "title": "a ball on a slab",
+            "question": "settle",
+            "assets": {
+                "slab": {"body": "box", "size": [1, 1, 0.05]},
+                "ball": {
+                    "body": "sphere",
+                    "radius": 0.03,
+                    "mass": 0.1,
+                    "base": "free",
+                    "pose": {"xyz": [0, 0, 0.06]},
+                    "material": {"friction": 0.5},
+                },
+            },
+            "drive": {"gravity": 9.81},
+            "limit": 0.007,
+            "seconds": 2,
+        }
+    )
+    found = answer_scene(scene, build_assets(scene), options=SceneOptions(engine=engine))
+    assert found.measured.measure == pytest.approx(0.005, abs=1e-3)
+    assert found.answer is True

@@ -142,6 +142,23 @@ WRONG = {
         scene(assets={"a": {"package": "x", "tolerance": "much"}, "b": BOX}),
         "write for example",
     ),
+    "a unit that is none": (scene(limit="1in"), "write a number in mm, cm or m"),
+    "yes for a length": (scene(limit=True), "write a length"),
+    "a thing and a part of it": (
+        scene(between=["a", "a/body"]),
+        "'between' names 'a' and a part of it",
+    ),
+    "gravity that drives and is off": (
+        scene(
+            question="settle",
+            between=None,
+            limit=1,
+            assets={"a": {**BOX, "base": "free", "mass": 1}},
+            drive={"gravity": 9.81},
+            effects={"gravity": "off"},
+        ),
+        "'drive.gravity' drives the scene and 'effects' says gravity: off",
+    ),
     "not a number": (scene(limit=float("nan")), "limit"),
 }
 
