@@ -6,7 +6,7 @@ use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::candidates::flat_faces;
+use crate::candidates::{flat_faces, sector};
 use crate::concavity::{Decision, Interval};
 use crate::control::Control;
 use crate::error::DecomposeError;
@@ -183,6 +183,16 @@ fn cut(judge: &Judge<'_>, part: &Part, settings: &SearchSettings) -> Plane {
     };
     let (extra, extra_second) = (flat(settings.faces), flat(settings.second_faces));
     let samples = forbidden::sample(judge.solid, &part.hull, epsilon, settings.samples);
+    let axial = directions
+        .iter()
+        .filter_map(|basis| {
+            let extent = extent(&part.hull.vertices, basis.w);
+            sector::plane(&part.piece, basis, extent, &samples, epsilon)
+        })
+        .reduce(|a, b| if b.1 > a.1 { b } else { a });
+    if let Some((plane, _)) = axial {
+        return plane;
+    }
     let question = Question {
         piece: part.stand_in(settings.fewest),
         forbidden: &samples,
