@@ -138,6 +138,14 @@ def test_step_follows_the_limit_and_the_speed():
     assert fine.step.value**2 * 9.81 <= 0.0002 * 1.01
 
 
+@pytest.mark.parametrize(("ratio", "rate"), [(1, 222), (5, 222), (100, 701), (1000, 2000)])
+def test_step_shrinks_where_a_light_body_may_carry_a_heavy_one(ratio, rate):
+    heavy = falling(0.152, mass=ratio)
+    found = settling({"ground": GROUND, "light": falling(), "heavy": heavy})
+    assert round(1.0 / found.step.value) == pytest.approx(rate, abs=1)
+    assert ("times as heavy" in found.step.reason) == (ratio > 10)
+
+
 def test_iterations_grow_with_the_stack():
     two = settling({"ground": GROUND, "a": falling(), "b": falling(0.2)})
     one = settling({"ground": GROUND, "a": falling()})

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,6 +7,7 @@ import pytest
 from assetpipe.shipped import CONFIGS
 from assetpipe.validation.dynamics import available_engines
 from assetpipe.validation.effects import METHODS, plan
+from assetpipe.validation.effects.plan import Setting
 from assetpipe.validation.runners import SceneOptions, answer_scene, run_queries, run_scene
 from assetpipe.validation.runners.scene import attempt, same_answer
 from assetpipe.validation.scenes import DirectProvider, build_assets, load_scene, parse_scene
@@ -221,3 +223,28 @@ def test_a_ball_set_down_stays_where_it_was_set(engine):
     found = answer_scene(scene, build_assets(scene), options=SceneOptions(engine=engine))
     assert found.measured.measure == pytest.approx(0.005, abs=1e-3)
     assert found.answer is True
+
+
+@pytest.mark.parametrize("engine", available_engines())
+def test_a_thousand_times_heavier_body_stands_on_a_light_one(engine):
+    # At the step that gravity alone asks for it is thrown off, or sinks through.
+    box = {"body": "box", "size": [0.1, 0.1, 0.1], "base": "free", "material": {"friction": 0.6}}
+    scene = parse_scene(
+        {
+            "title": "heavy on light",
+            "question": "settle",
+            "assets": {
+                "floor": {"body": "box", "size": [1, 1, 0.1], "pose": {"xyz": [0, 0, -0.05]}},
+                "light": {**box, "mass": 0.1, "pose": {"xyz": [0, 0, 0.05]}},
+                "heavy": {**box, "mass": 100, "pose": {"xyz": [0, 0, 0.15]}},
+            },
+            "drive": {"gravity": 9.81},
+            "limit": "2mm",
+            "seconds": 1,
+        }
+    )
+    assets, options = build_assets(scene), SceneOptions(engine=engine)
+    assert answer_scene(scene, assets, options=options).answer is True
+    habit = replace(plan(scene, assets, engine=engine), step=Setting(1 / 60, "habit"))
+    found, _, _ = attempt(scene, assets, habit, options)
+    assert found.answer is False
