@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from assetpipe.validation.contact.pairs import LinkBody
     from assetpipe.validation.contact.truth import ContactTruth, contact_truth
     from assetpipe.validation.dynamics.load import EngineLoad, load_in_engine
+    from assetpipe.validation.dynamics.settle import Settling, settle_in_engine
     from assetpipe.validation.profiles import EngineProfile, check_hulls, load_profile
     from assetpipe.validation.runners.scene import (
         SceneOptions,
@@ -37,6 +38,7 @@ else:
             "SceneOptions": "assetpipe.validation.runners.scene",
             "SceneResult": "assetpipe.validation.runners.scene",
             "SelfCollisions": "assetpipe.validation.self_collision",
+            "Settling": "assetpipe.validation.dynamics.settle",
             "adjacent_pairs": "assetpipe.validation.self_collision",
             "check_hulls": "assetpipe.validation.profiles",
             "contact_truth": "assetpipe.validation.contact.truth",
@@ -45,6 +47,7 @@ else:
             "load_profile": "assetpipe.validation.profiles",
             "run_scene": "assetpipe.validation.runners.scene",
             "self_collisions": "assetpipe.validation.self_collision",
+            "settle_in_engine": "assetpipe.validation.dynamics.settle",
         },
     )
 
@@ -58,6 +61,7 @@ __all__ = [
     "SceneOptions",
     "SceneResult",
     "SelfCollisions",
+    "Settling",
     "adjacent_pairs",
     "check_hulls",
     "contact_truth",
@@ -66,4 +70,5 @@ __all__ = [
     "load_profile",
     "run_scene",
     "self_collisions",
+    "settle_in_engine",
 ]

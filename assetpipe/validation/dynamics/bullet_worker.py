@@ -17,7 +17,7 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
     Args:
         request: ``task`` "load": ``urdf`` path and ``probes``, a list of ``{link,
             centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``; "cost": see
-            ``bullet_cost``.
+            ``bullet_cost``; "settle": see ``settle``.
     """
     if request["task"] == "scene":
         from assetpipe.validation.dynamics.bullet_scene import simulate
@@ -27,6 +27,10 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
         from assetpipe.validation.dynamics.bullet_cost import measure
 
         return measure(request)
+    if request["task"] == "settle":
+        from assetpipe.validation.dynamics.bullet_settle import settle
+
+        return settle(request)
     import pybullet
 
     client = pybullet.connect(pybullet.DIRECT)

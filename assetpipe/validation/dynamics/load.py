@@ -272,7 +272,7 @@ def _attempt(
 ) -> WorkerAnswer:
     as_written = engine == "bullet" and visuals == "kept" and not resolved
     if not as_written:
-        _rewrite(urdf, copy, resolved, visuals)
+        rewrite(urdf, copy, resolved, visuals)
         if engine == "mujoco":
             from assetpipe.validation.dynamics.mujoco_worker import prepare
 
@@ -285,7 +285,7 @@ def _attempt(
     return run_worker(engine, request, timeout=timeout)
 
 
-def _rewrite(
+def rewrite(
     urdf: Path, copy: Path, resolved: Mapping[str, Path], visuals: Literal["kept", "removed"]
 ) -> None:
     """Write a copy with absolute mesh references, for the engine's eyes only.

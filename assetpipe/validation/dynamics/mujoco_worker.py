@@ -17,12 +17,17 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
 
     Args:
         request: ``task`` "load": ``urdf`` path and ``probes``, a list of ``{link,
-            centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``.
+            centre (link frame), radius}``; ``task`` "scene": see ``runners.dynamics``;
+            "settle": see ``settle``.
     """
     if request["task"] == "scene":
         from assetpipe.validation.dynamics.mujoco_scene import simulate
 
         return simulate(request)
+    if request["task"] == "settle":
+        from assetpipe.validation.dynamics.mujoco_settle import settle
+
+        return settle(request)
     import mujoco
     import numpy as np
 
