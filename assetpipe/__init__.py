@@ -15,8 +15,10 @@ if TYPE_CHECKING:
     from assetpipe.pipeline.compare import Validation, validate
     from assetpipe.pipeline.config import Config
     from assetpipe.pipeline.result import BuildResult
+    from assetpipe.validation.bracket import Bracket
 
 _HOMES = {
+    "Bracket": "assetpipe.validation.bracket",
     "BuildResult": "assetpipe.pipeline.result",
     "Config": "assetpipe.pipeline.config",
     "Decomposition": "assetpipe.decomposition",
@@ -33,6 +35,7 @@ _HOMES = {
 """Where each public name lives; imported when first asked for: `import assetpipe` is cheap."""
 
 __all__ = [
+    "Bracket",
     "BuildResult",
     "Config",
     "Decomposition",

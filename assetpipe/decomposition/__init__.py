@@ -6,6 +6,7 @@ from assetpipe.decomposition.certification import certify
 from assetpipe.decomposition.decomposition import Coverage, Decomposition, EngineName, Node
 from assetpipe.decomposition.engine import decompose
 from assetpipe.decomposition.hull import Hull
+from assetpipe.decomposition.inner import InnerHull, inner_hulls
 from assetpipe.decomposition.params import Cavities, Effort, Metric, Params
 from assetpipe.decomposition.tolerance import Tolerance
 
@@ -18,6 +19,7 @@ __all__ = [
     "Effort",
     "EngineName",
     "Hull",
+    "InnerHull",
     "Interval",
     "Metric",
     "Node",
@@ -26,4 +28,5 @@ __all__ = [
     "certify",
     "decompose",
     "decompose_with",
+    "inner_hulls",
 ]

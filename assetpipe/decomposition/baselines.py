@@ -61,6 +61,7 @@ def decompose_with(
         wanted,
         wanted.on(solid),
         repair=repaired,
+        solid=solid,
     )
 
 

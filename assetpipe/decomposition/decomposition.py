@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from assetpipe.decomposition.certificate import Certificate, Interval
 from assetpipe.decomposition.hull import Hull
+from assetpipe.decomposition.inner import InnerHull, inner_hulls
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import UsageError
+from assetpipe.geometry.mesh import Mesh
 
 if TYPE_CHECKING:
     from assetpipe.geometry import Repaired
@@ -69,6 +71,7 @@ class Decomposition:
         metric: what was held below it.
         repair: what was done to make the mesh a solid; ``None`` if it was one.
         nodes: the hierarchy: leaves first, children before parents.
+        solid: what the hulls cover, after repair; metres.
     """
 
     hulls: tuple[Hull, ...]
@@ -79,6 +82,21 @@ class Decomposition:
     metric: Literal["thickening", "concavity"] = "thickening"
     repair: Repaired | None = None
     nodes: tuple[Node, ...] = ()
+    solid: Mesh | None = None
+
+    @cached_property
+    def inner(self) -> tuple[InnerHull, ...]:
+        """Convex polytopes inside the solid, largest first: computed when first asked for.
+
+        They come as near to the surface as a quarter of ``epsilon`` where that is found;
+        see :func:`assetpipe.decomposition.inner_hulls`.
+
+        Raises:
+            UsageError: the solid was not kept.
+        """
+        if self.solid is None:
+            raise UsageError("inner hulls need the solid, which this decomposition has not kept")
+        return inner_hulls(self.solid, 0.25 * self.epsilon)
 
     @cached_property
     def certificate(self) -> Certificate:
@@ -173,6 +191,7 @@ class Decomposition:
             self.metric,
             self.repair,
             self.nodes,
+            self.solid,
         )
 
     def as_dict(self) -> dict[str, Any]:

@@ -131,6 +131,7 @@ def decompose(
         metric,
         repaired,
         nodes,
+        solid,
     )
     if max_hulls is not None and len(result.hulls) > max_hulls:
         return result.at(max_hulls=max_hulls)

@@ -11,6 +11,7 @@ pub mod error;
 pub mod finish;
 pub mod forbidden;
 pub mod hierarchy;
+pub mod inner;
 pub mod judge;
 pub mod merge;
 pub mod part;

@@ -10,6 +10,7 @@ mod arrays;
 mod decomposition;
 mod errors;
 mod geometry;
+mod inner;
 mod polygon;
 mod watch;
 
@@ -19,6 +20,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     polygon::register(module)?;
+    inner::register(module)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::parts, module)?)?;
