@@ -13,6 +13,8 @@ use super::section::Outline;
 const STRAIGHT: f64 = 0.01;
 /// Sharper turns (cosine, 65°) are corners with faces of their own, not a curved wall.
 const SMOOTH: f64 = 0.42;
+/// Chords end this exactly, as a share of an edge.
+const FINE: f64 = 1e-6;
 
 /// A stretch of an outline along which the solid is hollow.
 #[derive(Clone, Debug)]
@@ -108,28 +110,30 @@ impl Chain {
             })
     }
 
-    /// The farthest position up to `end` that one chord reaches.
+    /// A farthest position up to `end` that one chord reaches: strides double while chords
+    /// stay within `tolerance` and halve from the first that does not, so that finely divided
+    /// walls cost little more than coarse ones.
     fn reach(&self, from: f64, end: f64, tolerance: f64) -> f64 {
-        let mut good = from;
-        loop {
-            let next = (good.floor() + 1.0).min(end);
+        let (mut good, mut stride) = (from, 1.0);
+        let mut bad = loop {
+            let next = (good.floor() + stride).min(end);
             if !self.spans(from, next, tolerance) {
-                let (mut lo, mut hi) = (good, next);
-                for _ in 0..30 {
-                    let mid = 0.5 * (lo + hi);
-                    if self.spans(from, mid, tolerance) {
-                        lo = mid;
-                    } else {
-                        hi = mid;
-                    }
-                }
-                return lo;
+                break next;
             }
             if next >= end {
                 return end;
             }
-            good = next;
+            (good, stride) = (next, 2.0 * stride);
+        };
+        while bad - good > FINE {
+            let mid = 0.5 * (good + bad);
+            if self.spans(from, mid, tolerance) {
+                good = mid;
+            } else {
+                bad = mid;
+            }
         }
+        good
     }
 
     /// Ends of the fewest chords from one position to another; `None` beyond `most`.
