@@ -3,7 +3,7 @@
 use super::Gap;
 
 /// Bounds below this multiple of the rounding allowance are as good as zero.
-pub(super) const NOTHING: f64 = 10.0;
+const NOTHING: f64 = 10.0;
 /// A decision is not worth more work once the value is known to be this close
 /// to ε, as a share.
 const CLOSE: f64 = 1e-3;

@@ -68,8 +68,8 @@ struct Corner {
     planes: u64,
 }
 
-/// Half-spaces that a cell may be cut with: the bits of the set.
-const CUTS: usize = 58;
+/// Half-spaces that a cell can be cut with: the bits of the set.
+pub(super) const CUTS: usize = 58;
 
 /// A cell of at most 64 planes has fewer corners than this (2 · 64 − 4). Planes that
 /// almost coincide can make many more, each pair of corners on either side one; then
@@ -85,6 +85,7 @@ pub(super) struct Polytope {
     kept: Vec<Corner>,
     removed: Vec<(Corner, f64)>,
     values: Vec<f64>,
+    order: Vec<(f64, usize)>,
 }
 
 impl Default for Polytope {
@@ -96,27 +97,41 @@ impl Default for Polytope {
             kept: Vec::new(),
             removed: Vec::new(),
             values: Vec::new(),
+            order: Vec::new(),
         }
     }
 }
 
 impl Polytope {
-    /// Find the corners of `bounds` cut by `spaces`, each moved outward by
-    /// `margin` so that the corners' hull holds the cell in spite of rounding: a
-    /// crossing computed on an edge lies beyond the unmoved plane. Leaving out
-    /// half-spaces beyond [`CUTS`] only makes it larger.
+    /// The cell of a box and all half-spaces that cut it.
+    pub fn set(&mut self, bounds: Bounds, spaces: impl Iterator<Item = HalfSpace>) {
+        self.bounds = bounds;
+        self.spaces.clear();
+        self.spaces.extend(spaces);
+        let (centre, half) = (bounds.centre(), (bounds.hi - bounds.lo) * 0.5);
+        self.order.clear();
+        self.order
+            .extend(self.spaces.iter().enumerate().map(|(k, s)| {
+                let most = s.normal.dot(centre) + s.normal.abs().dot(half);
+                (s.offset - most, k)
+            }));
+        self.order
+            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+
+    /// Find the corners of the box cut by the `most` half-spaces that take most
+    /// of it, each moved outward by `margin` so that the corners' hull holds the
+    /// cell in spite of rounding: a crossing computed on an edge lies beyond the
+    /// unmoved plane. Leaving out half-spaces only makes it larger.
     ///
     /// Every corner is seen as the meeting of three planes (a plane through a
     /// corner passes on one side of it), so two corners are joined by an edge
     /// just when they share two. Corners beyond a moved plane by less than
     /// `margin` stay, so that the several triangles of one flat facet cut once.
-    pub fn set(&mut self, bounds: Bounds, spaces: impl Iterator<Item = HalfSpace>, margin: f64) {
-        self.bounds = bounds;
-        self.spaces.clear();
-        self.spaces.extend(spaces);
+    pub fn find_corners(&mut self, most: usize, margin: f64) {
         self.kept.clear();
         self.kept.extend(
-            box_corners(&bounds)
+            box_corners(&self.bounds)
                 .into_iter()
                 .enumerate()
                 .map(|(k, at)| Corner {
@@ -124,10 +139,11 @@ impl Polytope {
                     planes: 1 << (k & 1) | 4 << (k >> 1 & 1) | 16 << (k >> 2),
                 }),
         );
-        for (index, space) in self.spaces.iter().take(CUTS).enumerate() {
+        for (index, (_, k)) in self.order.iter().take(most.min(CUTS)).enumerate() {
             if self.kept.len() > CORNERS {
                 break;
             }
+            let space = &self.spaces[*k];
             let bit = 64u64 << index;
             self.values.clear();
             self.values.extend(
@@ -236,7 +252,8 @@ mod tests {
             offset,
         });
         let mut cell = Polytope::default();
-        cell.set(cell_box, spaces.into_iter(), 2e-10);
+        cell.set(cell_box, spaces.into_iter());
+        cell.find_corners(CUTS, 2e-10);
         assert!(cell.corners.len() < 1000, "{}", cell.corners.len());
         // The upper corners are far from all of it.
         for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -263,7 +280,8 @@ mod tests {
             normal,
             offset: normal.dot(DVec3::splat(0.5)),
         };
-        cell.set(cube, [middle].into_iter(), 0.0);
+        cell.set(cube, [middle].into_iter());
+        cell.find_corners(CUTS, 0.0);
         assert_eq!(cell.corners.len(), 10);
         assert!(cell.corners.iter().all(|p| p.element_sum() <= 1.5 + 1e-12));
         // Through the three neighbours of a corner: they stay, it goes.
@@ -271,7 +289,8 @@ mod tests {
             normal,
             offset: normal.dot(DVec3::X),
         };
-        cell.set(cube, [tip, middle].into_iter(), 1e-9);
+        cell.set(cube, [tip, middle].into_iter());
+        cell.find_corners(CUTS, 1e-9);
         assert!(cell.corners.iter().all(|p| p.element_sum() <= 1.0 + 1e-8));
         for expected in [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z] {
             assert!(cell.corners.iter().any(|p| p.distance(expected) < 1e-8));

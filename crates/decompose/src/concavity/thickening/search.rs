@@ -1,6 +1,6 @@
 //! Branch and bound over the cells of a hull.
 
-use std::cmp::Ordering;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
@@ -8,19 +8,23 @@ use assetpipe_geometry::bvh::{Bounds, Nearest};
 use assetpipe_geometry::distance::{ConvexBody, SolidIndex};
 use assetpipe_geometry::{DVec3, Mesh};
 
-use super::cell::{contract, Polytope};
-use super::enclosed::is_free_of_surface;
-use crate::concavity::goal::{self, Goal};
+use super::cell::{contract, Polytope, CUTS};
+use super::enclosed::{Blocked, Inner};
+use crate::concavity::goal::Goal;
 use crate::concavity::{mixture, Interval, Limits};
 
 /// A cell with a larger radius than this share of the target is split before
 /// its corners are looked at, unless its nearest triangle is as large as it is.
 const COARSE: f64 = 0.5;
-/// A cell cut by more half-spaces is split before it is asked whether the solid
-/// encloses it.
-const ENCLOSING: usize = 12;
-/// The same for a cell without a point at this share of its size from its sides.
-const SHARP: f64 = 1e-5;
+/// Cells with a radius of so many targets or less are not asked whether the
+/// solid encloses them: a triangle nearby does as well.
+const ROOMY: f64 = 2.0;
+/// Every how many splits larger cells are asked: each has halved every side.
+const SPLITS: usize = 3;
+/// Half-spaces that a cell is cut with at first.
+const FEW_CUTS: usize = 6;
+/// Stands for the inner part of a cell where triangles have numbers.
+const INNER: u32 = u32::MAX;
 /// Share of the solid's rounding allowance by which planes are moved.
 const MARGIN: f64 = 0.1;
 
@@ -32,36 +36,42 @@ enum Side {
 }
 
 /// A part of the hull whose bound is above the target.
+#[derive(Clone)]
 struct Cell {
     bounds: Bounds,
     /// Half-spaces that cut it, in `Search::planes`.
     planes: Range<usize>,
     centre: DVec3,
-    /// Nearest triangle to the centre and its distance.
+    /// A triangle near the centre.
     slot: u32,
-    distance: f64,
+    /// One that keeps the solid from enclosing the cell, if such is known.
+    blocker: u32,
+    /// Distance from the centre to the surface, where the search for it ran to
+    /// the end and the side is known; else zero.
+    clear: f64,
     side: Side,
+    /// The nearest cell above, itself included, whose centre is inside.
+    ball: Option<usize>,
+    /// The one above that.
+    outer: Option<usize>,
     upper: f64,
-    /// Order of creation: makes the order of the queue total.
-    serial: usize,
+    /// How often the hull's box was split.
+    level: usize,
 }
 
-impl PartialEq for Cell {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl Eq for Cell {}
-impl PartialOrd for Cell {
+/// A bound as the key of the queue.
+#[derive(Clone, Copy, PartialEq)]
+struct Key(f64);
+
+impl Eq for Key {}
+impl PartialOrd for Key {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Cell {
+impl Ord for Key {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.upper
-            .total_cmp(&other.upper)
-            .then(other.serial.cmp(&self.serial))
+        self.0.total_cmp(&other.0)
     }
 }
 
@@ -72,13 +82,16 @@ pub(super) struct Search<'a> {
     /// Allowance for rounding, taken off lower bounds and added to upper ones.
     slack: f64,
     planes: Vec<u32>,
-    queue: BinaryHeap<Cell>,
+    cells: Vec<Cell>,
+    /// Cells still to be split, by bound.
+    queue: BinaryHeap<(Key, Reverse<usize>)>,
     /// Largest bound of a cell that was done with.
     settled: f64,
     lower: f64,
     witness: Option<DVec3>,
     examined: usize,
     cell: Polytope,
+    inner: Inner,
     scratch: Scratch,
 }
 
@@ -98,12 +111,14 @@ impl<'a> Search<'a> {
             goal,
             slack: solid.slack(),
             planes: Vec::new(),
+            cells: Vec::new(),
             queue: BinaryHeap::new(),
             settled: 0.0,
             lower: 0.0,
             witness: None,
             examined: 0,
             cell: Polytope::default(),
+            inner: Inner::default(),
             scratch: Scratch::default(),
         }
     }
@@ -119,17 +134,17 @@ impl<'a> Search<'a> {
         }
         self.planes = (0..self.body.half_spaces().len() as u32).collect();
         self.examine(self.body.bounds(), 0..self.planes.len(), None);
-        while let Some(cell) = self.queue.pop() {
+        while let Some((_, Reverse(index))) = self.queue.pop() {
+            let cell = self.cells[index].clone();
             if cell.upper <= self.target() {
                 self.settle(cell.upper);
                 continue;
             }
-            let size = cell.bounds.hi - cell.bounds.lo;
             if self.goal.is_settled(self.lower) || limits.reached(self.examined) {
                 self.settle(cell.upper);
                 break;
             }
-            let axis = longest(size);
+            let axis = longest(cell.bounds.hi - cell.bounds.lo);
             let middle = cell.bounds.centre()[axis];
             let (mut low, mut high) = (cell.bounds, cell.bounds);
             low.hi[axis] = middle;
@@ -179,46 +194,80 @@ impl<'a> Search<'a> {
             return;
         };
         self.examined += 1;
+        let target = self.target();
+        let in_ball = self.in_balls(&bounds, parent);
+        if in_ball <= target {
+            return self.settle(in_ball);
+        }
         let centre = bounds.centre();
         let radius = (bounds.hi - centre).length();
-        let target = self.target();
-        let enough = target - radius;
-        let enough2 = if enough > 0.0 { enough * enough } else { -1.0 };
+        // Near enough that the cell is settled; or, for a large one, so near
+        // that looking on settles nothing.
+        let enough = (target - radius).max((radius - target).min(target));
+        let enough2 = enough * enough;
         let nearest = self.nearest(centre, enough2, parent);
         let distance = nearest.distance2.sqrt();
-        // From here on `distance` is the least one: the search did not stop early.
-        if nearest.distance2 <= enough2 {
+        let is_least = nearest.distance2 > enough2;
+        if !is_least && radius <= target {
             return self.settle(distance + radius);
         }
-        let mut upper = parent.map_or(f64::INFINITY, |p| p.upper);
-        let mut side = Side::Unknown;
-        if radius - distance <= target || distance > target {
-            side = self.side(centre, parent);
-        }
-        match side {
-            Side::Inside => upper = upper.min((radius - distance).max(0.0)),
-            Side::Outside if distance > self.lower => self.probe(centre, distance, &planes),
-            _ => {}
-        }
-        if side != Side::Inside {
-            upper = upper.min(distance + radius);
-        }
-        if upper > target {
-            upper = upper.min(self.look_closer(&bounds, &planes, radius, side, nearest.slot));
-        }
-        if upper <= target {
-            return self.settle(upper);
-        }
-        self.queue.push(Cell {
+        let mut cell = Cell {
+            upper: parent.map_or(f64::INFINITY, |p| p.upper).min(in_ball),
+            ball: parent.and_then(|p| p.ball),
+            outer: parent.and_then(|p| p.outer),
+            slot: nearest.slot,
+            blocker: parent.map_or(nearest.slot, |p| p.blocker),
+            side: Side::Unknown,
+            level: parent.map_or(0, |p| p.level + 1),
+            clear: 0.0,
             bounds,
             planes,
             centre,
-            slot: nearest.slot,
-            distance,
-            side,
-            upper,
-            serial: self.examined,
-        });
+        };
+        if is_least && (radius - distance <= target || distance > target) {
+            cell.side = self.side(centre, parent);
+            cell.clear = distance;
+        }
+        match cell.side {
+            Side::Inside => {
+                cell.upper = cell.upper.min((radius - distance).max(0.0));
+                (cell.ball, cell.outer) = (Some(self.cells.len()), cell.ball);
+            }
+            Side::Outside if distance > self.lower => {
+                self.probe(centre, distance, &cell.planes);
+            }
+            _ => {}
+        }
+        if cell.side != Side::Inside {
+            cell.upper = cell.upper.min(distance + radius);
+        }
+        if cell.upper > target {
+            cell.upper = cell.upper.min(self.look_closer(&mut cell, radius));
+        }
+        if cell.upper <= target {
+            return self.settle(cell.upper);
+        }
+        self.queue
+            .push((Key(cell.upper), Reverse(self.cells.len())));
+        self.cells.push(cell);
+    }
+
+    /// A bound from balls inside the solid about the centres of cells above.
+    fn in_balls(&self, bounds: &Bounds, parent: Option<&Cell>) -> f64 {
+        let Some(parent) = parent else {
+            return f64::INFINITY;
+        };
+        [parent.ball, parent.outer]
+            .into_iter()
+            .flatten()
+            .map(|index| {
+                let ball = &self.cells[index];
+                let farthest = (bounds.lo - ball.centre)
+                    .abs()
+                    .max((bounds.hi - ball.centre).abs());
+                (farthest.length() - ball.clear).max(0.0)
+            })
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// The nearest triangle to `q`, or any not farther than `sqrt(enough2)`; the
@@ -240,8 +289,7 @@ impl<'a> Search<'a> {
     /// The side of `q`, taken from the parent where no surface lies between.
     fn side(&self, q: DVec3, parent: Option<&Cell>) -> Side {
         if let Some(parent) = parent {
-            if parent.side != Side::Unknown
-                && q.distance(parent.centre) + self.slack < parent.distance
+            if parent.side != Side::Unknown && q.distance(parent.centre) + self.slack < parent.clear
             {
                 return parent.side;
             }
@@ -285,77 +333,58 @@ impl<'a> Search<'a> {
     }
 
     /// The bounds that need the cell's corners, where they may help.
-    fn look_closer(
-        &mut self,
-        bounds: &Bounds,
-        planes: &Range<usize>,
-        radius: f64,
-        side: Side,
-        slot: u32,
-    ) -> f64 {
+    fn look_closer(&mut self, seen: &mut Cell, radius: f64) -> f64 {
         let target = self.target();
+        let planes = seen.planes.clone();
         // The centre of the box need not belong to the cell.
         let may_be_inside =
-            side != Side::Outside || self.pull(bounds.centre(), planes) != bounds.centre();
-        let may_be_enclosed = may_be_inside && radius > target && planes.len() <= ENCLOSING;
+            seen.side != Side::Outside || self.pull(seen.centre, &planes) != seen.centre;
+        let may_be_enclosed = may_be_inside && radius > ROOMY * target && seen.level % SPLITS == 0;
         let may_be_near = radius <= COARSE * target
-            || self.solid.bvh().triangle(slot).bounds().diagonal() >= radius;
+            || self.solid.bvh().triangle(seen.slot).bounds().diagonal() >= radius;
         if !may_be_enclosed && !may_be_near {
             return f64::INFINITY;
         }
+        let margin = MARGIN * self.slack;
         let mut cell = std::mem::take(&mut self.cell);
-        let spaces = self.planes[planes.clone()].iter();
         cell.set(
-            *bounds,
-            spaces.map(|i| self.body.half_spaces()[*i as usize]),
-            MARGIN * self.slack,
+            seen.bounds,
+            self.planes[planes.clone()]
+                .iter()
+                .map(|i| self.body.half_spaces()[*i as usize]),
         );
-        let mut upper = f64::INFINITY;
-        if cell.corners.is_empty() {
-            upper = 0.0;
-        } else if may_be_enclosed {
-            upper = self.enclosed(&cell);
+        cell.find_corners(FEW_CUTS, margin);
+        let mut has_inner = false;
+        if may_be_enclosed && !cell.corners.is_empty() {
+            let suspects = [seen.slot, seen.blocker];
+            match self.inner.find(self.solid, &cell, target, margin, suspects) {
+                Ok(()) => has_inner = true,
+                Err(Blocked::By(slot)) => seen.blocker = slot,
+                Err(Blocked::Unclear) => {}
+            }
+            if has_inner && cell.spaces.len() > FEW_CUTS {
+                cell.find_corners(CUTS, margin);
+            }
         }
-        if upper > target && may_be_near {
-            upper = self.mix(&cell.corners, slot, planes);
-        }
+        let upper = if cell.corners.is_empty() {
+            0.0
+        } else if has_inner || may_be_near {
+            let first = if has_inner { INNER } else { seen.slot };
+            self.mix(&cell.corners, first, &planes)
+        } else {
+            f64::INFINITY
+        };
         self.cell = cell;
         upper
     }
 
-    /// The width of a rim, at most the target, such that all of the cell but the
-    /// rim belongs to the solid; infinite if there is none.
-    ///
-    /// Let m be a point of the cell, `room` away from all its sides, and no
-    /// corner farther from m than `reach`. If no surface enters the cell with
-    /// its sides moved inward by δ, and m is inside, the cell shrunk towards m by
-    /// 1 − δ/room belongs to the solid, and shrinking moved no point by more
-    /// than δ · reach / room.
-    fn enclosed(&mut self, cell: &Polytope) -> f64 {
-        let target = self.target();
-        let middle = cell.corners.iter().sum::<DVec3>() / cell.corners.len() as f64;
-        let middle = middle.clamp(cell.bounds.lo, cell.bounds.hi);
-        let to_box = (middle - cell.bounds.lo).min(cell.bounds.hi - middle);
-        let reach = cell
-            .corners
-            .iter()
-            .fold(0.0f64, |r, c| r.max(c.distance(middle)));
-        let room = cell
-            .spaces
-            .iter()
-            .map(|s| s.offset - s.normal.dot(middle))
-            .fold(to_box.min_element(), f64::min);
-        if room <= SHARP * reach {
-            return f64::INFINITY;
-        }
-        // As good as nothing, if that is true; else what is just good enough.
-        let rims = [goal::NOTHING * self.slack, target];
-        let rim = rims
-            .into_iter()
-            .find(|rim| is_free_of_surface(self.solid.bvh(), cell, rim * room / reach));
-        match rim {
-            Some(rim) if self.solid.contains(middle) => rim,
-            _ => f64::INFINITY,
+    /// Distance from `q` to a convex part of the solid: a triangle or what
+    /// `self.inner` holds.
+    fn distance(&self, part: u32, q: DVec3) -> f64 {
+        if part == INNER {
+            self.inner.distance(q, self.target())
+        } else {
+            self.solid.bvh().triangle(part).distance2(q).sqrt()
         }
     }
 
@@ -370,19 +399,13 @@ impl<'a> Search<'a> {
         let mut next = slot;
         let mut upper = f64::INFINITY;
         while slots.len() < mixture::MOST {
-            let triangle = self.solid.bvh().triangle(next);
             if rows.len() <= slots.len() {
                 rows.push(Vec::new());
             }
             let row = &mut rows[slots.len()];
             row.clear();
-            row.extend(points.iter().map(|p| triangle.distance2(*p).sqrt()));
+            row.extend(points.iter().map(|p| self.distance(next, *p)));
             slots.push(next);
-            let bound = mixture::upper_bound(&rows[..slots.len()], &mut tableau);
-            upper = upper.min(bound);
-            if upper <= target {
-                break;
-            }
             // The corner that no triangle so far is near to.
             let mut worst = (f64::NEG_INFINITY, 0);
             for i in 0..points.len() {
@@ -391,6 +414,14 @@ impl<'a> Search<'a> {
                     .fold(f64::INFINITY, |b, r| b.min(r[i]));
                 if best > worst.0 {
                     worst = (best, i);
+                }
+            }
+            // No mixture is below what it is at that corner.
+            if worst.0 <= target {
+                let bound = mixture::upper_bound(&rows[..slots.len()], &mut tableau);
+                upper = upper.min(bound);
+                if upper <= target {
+                    break;
                 }
             }
             let q = points[worst.1];
