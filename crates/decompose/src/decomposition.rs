@@ -165,10 +165,10 @@ fn concave(
         working: &working,
         judge,
         slim: settings.slim,
-        // Below a hundredth of the tolerance nobody needs digits.
+        // Nobody needs many digits of what is small beside the tolerance.
         gap: Gap {
             relative: settings.gap,
-            absolute: 0.01 * target,
+            absolute: (8.0 * settings.gap * settings.gap).min(0.02) * target,
         },
         cells: settings.cells,
         most_vertices: settings.most_vertices,

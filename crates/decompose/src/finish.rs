@@ -5,7 +5,7 @@ use assetpipe_geometry::hull::{convex_hull, simplify_outward, simplify_within};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
-use crate::concavity::thickening::bounds;
+use crate::concavity::thickening::{bounds, bounds_above};
 use crate::concavity::{Decision, Gap, Interval, Limits};
 use crate::error::DecomposeError;
 use crate::judge::Judge;
@@ -52,13 +52,19 @@ impl Finish<'_> {
             cells: self.cells,
             ..*self.judge.limits
         };
-        let found = bounds(self.judge.solid, &proved.hull, self.gap, &limits);
-        proved.thickening = Interval {
-            lower: found.lower.max(proved.thickening.lower),
-            upper: found.upper.min(proved.thickening.upper),
-        };
+        let Interval { lower, upper } = proved.thickening;
+        if upper > self.gap.upper(lower) {
+            let found = bounds_above(self.judge.solid, &proved.hull, lower, self.gap, &limits);
+            proved.thickening = Interval {
+                lower: found.lower,
+                upper: found.upper.min(upper).max(found.lower),
+            };
+        }
         let own: Vec<&Piece> = group.members.iter().map(|&m| &parts[m as usize]).collect();
-        let concavity = self.judge.concavity(&proved.hull, &own, self.gap, &limits);
+        let known = proved.thickening.lower;
+        let concavity = self
+            .judge
+            .concavity(&proved.hull, &own, known, self.gap, &limits);
         Ok((mesh, proved, Some(concavity)))
     }
 

@@ -13,7 +13,7 @@ use assetpipe_geometry::hull::convex_hull;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
-use crate::concavity::thickening::bounds;
+use crate::concavity::thickening::bounds_above;
 use crate::concavity::{Gap, Interval, Limits};
 use crate::error::DecomposeError;
 use crate::finish::Finish;
@@ -143,18 +143,14 @@ fn join(
         convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))?,
     )?;
     let hull = finish.image(&mesh)?;
-    let known = estimate
+    let known = (estimate - finish.judge.solid.slack())
         .max(a.proved.thickening.lower)
         .max(b.proved.thickening.lower);
     let limits = Limits {
         cells: finish.cells,
         ..*finish.judge.limits
     };
-    let found = bounds(finish.judge.solid, &hull, COARSE, &limits);
-    let thickening = Interval {
-        lower: found.lower.max(known).min(found.upper),
-        upper: found.upper,
-    };
+    let thickening = bounds_above(finish.judge.solid, &hull, known, COARSE, &limits);
     let mut members: Vec<u32> = a
         .proved
         .members

@@ -36,15 +36,17 @@ impl Judge<'_> {
         }
     }
 
-    /// Eq. 4 of a hull towards its part.
+    /// Eq. 4 of a hull towards its part; at least `known`, a lower bound of the
+    /// hull's thickening.
     pub fn concavity(
         &self,
         hull: &Mesh,
         pieces: &[&Piece],
+        known: f64,
         gap: Gap,
         limits: &Limits<'_>,
     ) -> Interval {
         let part = SolidIndex::new(&close(pieces));
-        wei::bounds(&part, hull, gap, limits).value()
+        wei::value_above(&part, hull, known, gap, limits)
     }
 }

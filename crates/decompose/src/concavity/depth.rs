@@ -21,10 +21,12 @@ use super::{mixture, Interval, Limits};
 const ROUNDS: usize = 32;
 
 /// sup over the points of `surface` of the distance to the boundary of `body`,
-/// which holds them all.
+/// which holds them all. At least `known`, which spares the work below it: the
+/// interval is that of the maximum of both.
 pub(super) fn deepest(
     surface: &Bvh,
     body: &ConvexBody,
+    known: f64,
     slack: f64,
     goal: Goal,
     limits: &Limits,
@@ -37,7 +39,7 @@ pub(super) fn deepest(
         planes: (0..body.half_spaces().len() as u32).collect(),
         queue: BinaryHeap::new(),
         settled: 0.0,
-        lower: 0.0,
+        lower: known,
         witness: None,
         examined: 0,
         rows: Vec::new(),
@@ -71,7 +73,7 @@ pub(super) fn deepest(
     Found {
         interval: Interval {
             lower: search.lower,
-            upper: search.settled + slack,
+            upper: (search.settled + slack).max(search.lower),
         },
         witness: search.witness.map(|w| (w, search.lower)),
     }

@@ -29,9 +29,7 @@ impl Goal {
     pub(super) fn target(&self, lower: f64, slack: f64) -> f64 {
         match self {
             Goal::Decide { epsilon } => epsilon - slack,
-            Goal::Measure { gap } => (lower * (1.0 + gap.relative) - slack)
-                .max(gap.absolute)
-                .max(NOTHING * slack),
+            Goal::Measure { gap } => (gap.upper(lower) - slack).max(NOTHING * slack),
         }
     }
 

@@ -34,12 +34,18 @@ impl Interval {
     }
 }
 
-/// How wide an interval may be: `upper` at most `(1 + relative) · lower`, or at
-/// most `absolute`, a length that nobody tells from zero.
+/// How wide an interval may be: `upper` at most `(1 + relative) · lower + absolute`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Share of the lower bound.
     pub relative: f64,
     /// In the unit of the mesh.
     pub absolute: f64,
+}
+
+impl Gap {
+    /// The largest upper end that is near enough to `lower`.
+    pub fn upper(&self, lower: f64) -> f64 {
+        lower * (1.0 + self.relative) + self.absolute
+    }
 }

@@ -41,16 +41,38 @@ pub fn bounds(part: &SolidIndex, hull: &Mesh, gap: Gap, limits: &Limits) -> Conc
     }
 }
 
-/// Decide whether Eq. 4 is at most `epsilon`.
+/// The larger one of Eq. 4 and `known`, a lower bound known before (the hull's
+/// thickening towards a solid that holds the part is one): cheaper than its terms.
 ///
 /// Of the two directions of `H_b` only part → hull matters: a point of the hull's
 /// boundary that belongs to the part lies on the part's boundary too, so the
 /// direction hull → part never exceeds `H_i`.
+pub fn value_above(
+    part: &SolidIndex,
+    hull: &Mesh,
+    known: f64,
+    gap: Gap,
+    limits: &Limits,
+) -> Interval {
+    let (body, goal) = (ConvexBody::new(hull), Goal::Measure { gap });
+    let depth = deepest(part.bvh(), &body, known, part.slack(), goal, limits).interval;
+    depth.max(thickening::bounds_above(
+        part,
+        hull,
+        depth.lower,
+        gap,
+        limits,
+    ))
+}
+
+/// Decide whether Eq. 4 is at most `epsilon`, by the two distances that
+/// [`value_above`] needs.
 pub fn decide(part: &SolidIndex, hull: &Mesh, epsilon: f64, limits: &Limits) -> Decision {
     let goal = Goal::Decide { epsilon };
     let depth = deepest(
         part.bvh(),
         &ConvexBody::new(hull),
+        0.0,
         part.slack(),
         goal,
         limits,
@@ -71,7 +93,7 @@ pub fn decide(part: &SolidIndex, hull: &Mesh, epsilon: f64, limits: &Limits) -> 
 pub fn boundary(part: &SolidIndex, hull: &Mesh, gap: Gap, limits: &Limits) -> Interval {
     let goal = Goal::Measure { gap };
     let slack = part.slack();
-    let depth = deepest(part.bvh(), &ConvexBody::new(hull), slack, goal, limits).interval;
+    let depth = deepest(part.bvh(), &ConvexBody::new(hull), 0.0, slack, goal, limits).interval;
     let facets = (0..hull.triangles.len()).map(|t| hull.corners(t));
     let height = farthest(&Surface(part), facets, depth.lower, slack, goal, limits);
     depth.max(height.interval)

@@ -45,5 +45,19 @@ pub fn decide(solid: &SolidIndex, hull: &Mesh, epsilon: f64, limits: &Limits) ->
 /// The thickening of `hull` (a convex mesh as returned by `convex_hull`), to
 /// within `gap` or as close as the limits permit.
 pub fn bounds(solid: &SolidIndex, hull: &Mesh, gap: Gap, limits: &Limits) -> Interval {
-    Search::new(solid, hull, Goal::Measure { gap }).run(limits)
+    bounds_above(solid, hull, 0.0, gap, limits)
+}
+
+/// The larger one of the thickening of `hull` and `known`, as [`bounds`]: a
+/// lower bound known before spares the work below it.
+pub fn bounds_above(
+    solid: &SolidIndex,
+    hull: &Mesh,
+    known: f64,
+    gap: Gap,
+    limits: &Limits,
+) -> Interval {
+    let mut search = Search::new(solid, hull, Goal::Measure { gap });
+    search.rise_to(known);
+    search.run(limits)
 }

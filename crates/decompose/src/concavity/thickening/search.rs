@@ -88,6 +88,8 @@ pub(super) struct Search<'a> {
     /// Largest bound of a cell that was done with.
     settled: f64,
     lower: f64,
+    /// What the lower bound was at the start.
+    known: f64,
     witness: Option<DVec3>,
     examined: usize,
     cell: Polytope,
@@ -115,6 +117,7 @@ impl<'a> Search<'a> {
             queue: BinaryHeap::new(),
             settled: 0.0,
             lower: 0.0,
+            known: 0.0,
             witness: None,
             examined: 0,
             cell: Polytope::default(),
@@ -126,6 +129,12 @@ impl<'a> Search<'a> {
     /// The farthest point found and the lower bound of its distance.
     pub(super) fn witness(&self) -> Option<(DVec3, f64)> {
         self.witness.map(|w| (w, self.lower))
+    }
+
+    /// Look for what is above `known` only.
+    pub(super) fn rise_to(&mut self, known: f64) {
+        self.known = known;
+        self.lower = known;
     }
 
     pub(super) fn run(&mut self, limits: &Limits) -> Interval {
@@ -156,7 +165,7 @@ impl<'a> Search<'a> {
         self.verify();
         Interval {
             lower: self.lower,
-            upper: self.settled + self.slack,
+            upper: (self.settled + self.slack).max(self.lower),
         }
     }
 
@@ -168,12 +177,12 @@ impl<'a> Search<'a> {
         for step in [0.0, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-6] {
             let point = found + (middle - found) * step;
             if self.body.contains(point) {
-                self.lower -= point.distance(found);
+                self.lower = (self.lower - point.distance(found)).max(self.known);
                 self.witness = Some(point);
                 return;
             }
         }
-        self.lower = 0.0;
+        self.lower = self.known;
         self.witness = None;
     }
 
