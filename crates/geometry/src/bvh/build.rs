@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::wide::Wide;
 use super::{Bounds, Bvh, Node, DEPTH};
 use crate::distance::Triangle;
 use crate::Mesh;
@@ -37,6 +38,7 @@ pub(super) fn build(mesh: &Mesh) -> Bvh {
             .map(|item| Triangle::new(mesh.corners(item.index as usize)))
             .collect(),
         original: items.iter().map(|item| item.index).collect(),
+        wide: Wide::new(&nodes),
         nodes,
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Bvh, DEPTH};
+use super::wide::{Child, STACK};
+use super::Bvh;
 
 /// The nearest triangle to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,52 +24,39 @@ impl Bvh {
     /// As [`Bvh::nearest`], but content with the first triangle whose squared
     /// distance is at most `enough2`.
     pub fn nearest_until(&self, q: DVec3, bound2: f64, enough2: f64) -> Option<Nearest> {
-        let root = self.nodes.first()?;
+        if self.is_empty() {
+            return None;
+        }
         let mut best = Nearest {
             slot: u32::MAX,
             distance2: bound2,
         };
-        let mut stack = [(0.0f64, 0u32); DEPTH];
-        let mut top = 0;
-        let mut at = 0u32;
-        let mut reach = root.bounds.distance2(q);
-        loop {
-            if reach < best.distance2 {
-                let node = &self.nodes[at as usize];
-                if node.count == 0 {
-                    let (left, right) = (at + 1, node.first);
-                    let l = self.nodes[left as usize].bounds.distance2(q);
-                    let r = self.nodes[right as usize].bounds.distance2(q);
-                    let (near, far) = if l <= r {
-                        ((l, left), (r, right))
-                    } else {
-                        ((r, right), (l, left))
-                    };
-                    if far.0 < best.distance2 {
-                        stack[top] = far;
-                        top += 1;
-                    }
-                    (reach, at) = near;
-                    continue;
-                }
-                for slot in node.first..node.first + node.count {
-                    let d2 = self.triangles[slot as usize].distance2(q);
-                    if d2 < best.distance2 {
-                        best = Nearest {
-                            slot,
-                            distance2: d2,
-                        };
-                        if d2 <= enough2 {
-                            return Some(best);
+        let wide = &self.wide;
+        let query = wide.query(q);
+        let mut limit = wide.limit(bound2);
+        let mut stack = [(0.0f32, 0u32); STACK];
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let (reach, code) = stack[top];
+            if reach > limit {
+                continue;
+            }
+            match Child::from(code) {
+                Child::Node(node) => wide.near(node, &query, limit, &mut stack, &mut top),
+                Child::Triangles { first, count } => {
+                    for slot in first..first + count {
+                        let distance2 = self.triangles[slot as usize].distance2(q);
+                        if distance2 < best.distance2 {
+                            best = Nearest { slot, distance2 };
+                            if distance2 <= enough2 {
+                                return Some(best);
+                            }
+                            limit = wide.limit(distance2);
                         }
                     }
                 }
             }
-            if top == 0 {
-                break;
-            }
-            top -= 1;
-            (reach, at) = stack[top];
         }
         (best.slot != u32::MAX).then_some(best)
     }

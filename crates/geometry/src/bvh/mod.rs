@@ -8,6 +8,7 @@ mod closest;
 mod crossings;
 #[cfg(test)]
 mod tests;
+mod wide;
 
 pub use closest::Nearest;
 pub use crossings::Side;
@@ -98,6 +99,7 @@ pub enum Branch {
 #[derive(Clone, Debug)]
 pub struct Bvh {
     nodes: Vec<Node>,
+    wide: wide::Wide,
     triangles: Vec<Triangle>,
     original: Vec<u32>,
 }

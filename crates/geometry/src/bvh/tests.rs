@@ -65,6 +65,41 @@ fn nearest_agrees_with_looking_at_every_triangle() {
     }
 }
 
+/// Boxes of single precision must not rule out what is nearest, wherever the mesh
+/// lies, however large it is and however far away it is asked from.
+#[test]
+fn nearest_in_every_place_and_size() {
+    let near = soup(300, 23);
+    for (scale, offset) in [
+        (1.0, 0.0),
+        (1.0, 1e9),
+        (1e-7, 1.0),
+        (1e-30, 0.0),
+        (1e30, 0.0),
+        (1e-170, 0.0),
+        (1e150, 0.0),
+    ] {
+        let mesh = Mesh {
+            vertices: near.vertices.iter().map(|v| *v * scale + offset).collect(),
+            triangles: near.triangles.clone(),
+        };
+        let bvh = Bvh::new(&mesh);
+        for (k, q) in points(80, 29).into_iter().enumerate() {
+            let away = [1.0, 10.0, 1e6, 1e-6][k % 4];
+            let q = q * scale * away + offset;
+            let expected = (0..mesh.triangles.len())
+                .map(|t| Triangle::new(mesh.corners(t)).distance2(q))
+                .fold(f64::INFINITY, f64::min);
+            let found = bvh.nearest(q, f64::INFINITY).map(|n| n.distance2);
+            assert_eq!(
+                found.unwrap_or(f64::INFINITY),
+                expected,
+                "{scale} {offset} {q}"
+            );
+        }
+    }
+}
+
 #[test]
 fn an_early_answer_is_near_enough() {
     let bvh = Bvh::new(&soup(1000, 3));
