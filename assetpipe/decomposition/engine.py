@@ -63,7 +63,8 @@ def decompose(
         metric: what is held below the tolerance: ``"thickening"``, towards the whole
             solid, or ``"concavity"`` (Wei et al. 2022, Eq. 4), towards the part.
         effort: how long to search.
-        seed: of policies that draw random numbers; today's draw none, so it has no influence.
+        seed: what Monte Carlo tree search draws from (``Params({"policy": "mcts"})``). No
+            ``effort`` uses it, so without that the seed has no influence.
         threads: at most so many threads; ``None``: all cores. No influence on the result.
         max_hulls: budget; met by merging outwards, the certificate tells the price.
         max_hull_vertices: budget a hull; met by simplifying outwards, likewise.
@@ -100,6 +101,7 @@ def decompose(
         **_SETTINGS[effort],
         "metric": metric,
         "most_vertices": max_hull_vertices or 0,
+        "seed": seed,
         **(params.search if params else {}),
     }
     found, leaves = _core.decompose(

@@ -139,6 +139,7 @@ fn concave(
     let frame = match settings.frame {
         FrameChoice::Mesh => DMat3::IDENTITY,
         FrameChoice::Faces => frame::choose(mesh),
+        FrameChoice::Principal => frame::principal(mesh),
     };
     let (working, copy) = Working::new(mesh, frame);
     let solid = SolidIndex::new(&copy);

@@ -15,6 +15,7 @@ pub mod inner;
 pub mod judge;
 pub mod merge;
 pub mod part;
+pub mod progress;
 pub mod proxy;
 pub mod search;
 pub mod settings;

@@ -20,11 +20,22 @@ pub enum Norm {
 
 /// Which policy looks for cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Policy {
+pub enum PolicyChoice {
     /// One step: Eq. 7.
     Greedy,
     /// Two steps: the best first cuts, each with its best second cut.
     Lookahead,
+    /// Monte Carlo tree search: Algorithm 2.
+    Mcts,
+}
+
+/// Whether walls are divided into sectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sectors {
+    /// Where a hollow wall explains a part.
+    Foreseen,
+    /// Never: the search alone decides.
+    Ignored,
 }
 
 /// Which merges come first.
@@ -45,6 +56,8 @@ pub enum FrameChoice {
     Mesh,
     /// From flat faces where that aligns materially more area.
     Faces,
+    /// The principal axes of the surface, as in §6.1.
+    Principal,
 }
 
 /// Parameters of the search. Lengths are in units of ε unless said otherwise.
@@ -53,7 +66,7 @@ pub struct SearchSettings {
     /// What is held below the tolerance.
     pub metric: Metric,
     /// Which policy.
-    pub policy: Policy,
+    pub policy: PolicyChoice,
     /// Planes an axis for the first cut (m in the paper).
     pub planes: usize,
     /// How many first cuts are looked at a second step deep.
@@ -80,6 +93,17 @@ pub struct SearchSettings {
     pub section: f64,
     /// Extents below this get no grid planes.
     pub thinnest: f64,
+    /// Whether walls around an axis are divided into sectors.
+    pub sectors: Sectors,
+    /// Cuts that Monte Carlo tree search looks ahead (d in the paper).
+    pub depth: usize,
+    /// Its iterations (t in the paper).
+    pub iterations: usize,
+    /// What its random numbers are drawn from.
+    pub seed: u64,
+    /// So many parallel cuts in a row may leave a part as hollow as before; the next goes
+    /// another way. 0 for any number.
+    pub patience: u32,
     /// Planes of flat faces, at most so many a direction; 0 for none.
     pub faces: usize,
     /// Least area of a flat face that offers its plane, in ε².
@@ -109,7 +133,7 @@ impl Default for SearchSettings {
     fn default() -> Self {
         SearchSettings {
             metric: Metric::Thickening,
-            policy: Policy::Lookahead,
+            policy: PolicyChoice::Lookahead,
             planes: 20,
             expand: 14,
             quota: 3,
@@ -123,6 +147,11 @@ impl Default for SearchSettings {
             fewest: 150,
             section: 0.05,
             thinnest: 2.5,
+            sectors: Sectors::Foreseen,
+            depth: 3,
+            iterations: 150,
+            seed: 0,
+            patience: 1,
             faces: 12,
             face: 4.0,
             second_faces: 6,
@@ -192,11 +221,20 @@ impl SearchSettings {
             }
             "policy" => {
                 let known = match value {
-                    "greedy" => Some(Policy::Greedy),
-                    "lookahead" => Some(Policy::Lookahead),
+                    "greedy" => Some(PolicyChoice::Greedy),
+                    "lookahead" => Some(PolicyChoice::Lookahead),
+                    "mcts" => Some(PolicyChoice::Mcts),
                     _ => None,
                 };
-                self.policy = choice(name, value, known, "greedy, lookahead")?;
+                self.policy = choice(name, value, known, "greedy, lookahead, mcts")?;
+            }
+            "sectors" => {
+                let known = match value {
+                    "foreseen" => Some(Sectors::Foreseen),
+                    "ignored" => Some(Sectors::Ignored),
+                    _ => None,
+                };
+                self.sectors = choice(name, value, known, "foreseen, ignored")?;
             }
             "norm" => {
                 self.norm = if value == "worst" {
@@ -209,9 +247,10 @@ impl SearchSettings {
                 let known = match value {
                     "mesh" => Some(FrameChoice::Mesh),
                     "faces" => Some(FrameChoice::Faces),
+                    "principal" => Some(FrameChoice::Principal),
                     _ => None,
                 };
-                self.frame = choice(name, value, known, "mesh, faces")?;
+                self.frame = choice(name, value, known, "mesh, faces, principal")?;
             }
             "most_vertices" => self.most_vertices = number(name, value)?,
             "merge_order" => {
@@ -241,6 +280,10 @@ impl SearchSettings {
                     .map(|v| number(name, v.trim()))
                     .collect::<Result<_, _>>()?;
             }
+            "depth" => self.depth = number(name, value)?,
+            "iterations" => self.iterations = number(name, value)?,
+            "seed" => self.seed = number(name, value)?,
+            "patience" => self.patience = number(name, value)?,
             "planes" => self.planes = number(name, value)?,
             "expand" => self.expand = number(name, value)?,
             "quota" => self.quota = number(name, value)?,

@@ -3,11 +3,13 @@
 //! A part that was drawn along axes and then turned shows it by its faces:
 //! normals cluster, and two dominant clusters at right angles give the frame
 //! back. Taken only where it aligns materially more area than the mesh's axes
-//! do; shapes without flat faces keep their axes (principal axes and tightest
-//! boxes cost hulls on average).
+//! do; without them a surface of revolution has its axis, and all other shapes
+//! keep their own (principal axes and tightest boxes cost hulls on average).
 
 use assetpipe_geometry::Mesh;
 use glam::{DMat3, DVec3};
+
+use super::{eigen, revolution};
 
 /// Cosine of the angle within which a face counts as aligned (1°).
 const ALIGNED: f64 = 0.999_85;
@@ -56,10 +58,45 @@ pub fn choose(mesh: &Mesh) -> DMat3 {
         }
     }
     if best.0 > GAIN * own && best.0 > own + SHARE * total {
-        best.1
-    } else {
-        DMat3::IDENTITY
+        return best.1;
     }
+    match revolution::axis(mesh) {
+        Some(axis) if axis.abs().max_element() < ALIGNED => {
+            frame(axis, axis.any_orthonormal_vector())
+        }
+        _ => DMat3::IDENTITY,
+    }
+}
+
+/// The frame of the principal axes: of the covariance of the surface, as in §6.1 of Wei et al.
+/// 2022. Never better on average than the mesh's own axes; here for comparison.
+pub fn principal(mesh: &Mesh) -> DMat3 {
+    let (mut area, mut mean) = (0.0, DVec3::ZERO);
+    let triangles = || (0..mesh.triangles.len()).map(|t| mesh.corners(t));
+    for [a, b, c] in triangles() {
+        let twice = (b - a).cross(c - a).length();
+        area += twice;
+        mean += twice * (a + b + c) / 3.0;
+    }
+    if area <= 0.0 {
+        return DMat3::IDENTITY;
+    }
+    mean /= area;
+    let mut covariance = [[0.0; 3]; 3];
+    for corners in triangles() {
+        let [a, b, c] = corners.map(|p| p - mean);
+        let twice = (b - a).cross(c - a).length();
+        // ∫ x xᵀ over a triangle is its area / 12 · (Σ pᵢ pᵢᵀ + s sᵀ) with s = Σ pᵢ.
+        for p in [a, b, c, a + b + c] {
+            for (i, row) in covariance.iter_mut().enumerate() {
+                for (j, x) in row.iter_mut().enumerate() {
+                    *x += twice * p[i] * p[j];
+                }
+            }
+        }
+    }
+    let axes = eigen::symmetric(covariance);
+    frame(DVec3::from_array(axes[0].1), DVec3::from_array(axes[2].1))
 }
 
 /// One of a normal and its opposite.
@@ -157,6 +194,25 @@ pub fn snap(mesh: &mut Mesh) -> f64 {
 mod tests {
     use super::*;
     use assetpipe_geometry::hull::convex_hull;
+
+    #[test]
+    fn principal_axes_of_a_turned_brick_are_its_edges() {
+        let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
+        let corners: Vec<DVec3> = (0..8u32)
+            .map(|i| {
+                turn * DVec3::new(
+                    f64::from(i & 1) * 3.0,
+                    f64::from(i >> 1 & 1) * 2.0,
+                    f64::from(i >> 2),
+                )
+            })
+            .collect();
+        let turned_back = principal(&convex_hull(&corners).unwrap()) * turn;
+        for column in [turned_back.x_axis, turned_back.y_axis, turned_back.z_axis] {
+            assert!((column.abs().max_element() - 1.0).abs() < 1e-9);
+        }
+        assert!((turned_back.determinant() - 1.0).abs() < 1e-9);
+    }
 
     #[test]
     fn a_turned_box_finds_its_axes() {

@@ -1,7 +1,11 @@
 //! The search for cuts.
 
+pub mod greedy;
 pub mod lookahead;
+pub mod mcts;
 pub mod piece;
+pub mod policy;
+pub mod price;
 pub mod sweep_hull;
 pub mod trial;
 mod value;

@@ -24,6 +24,15 @@ impl Value {
         }
     }
 
+    /// Like [`Value::new`], but every cost is a radius and several count as the worst: what
+    /// Eq. 8 and Eq. 9 are written for.
+    pub fn radius(settings: &SearchSettings, epsilon: f64) -> Self {
+        Value {
+            norm: Norm::Worst,
+            ..Value::new(settings, epsilon)
+        }
+    }
+
     /// The cost of one part: a radius as in Eq. 5 for `Norm::Worst`.
     pub fn cost(&self, side: &Side) -> f64 {
         let volume = (side.forbidden + self.excess * (side.hull - side.part).max(0.0)) * self.unit;
