@@ -18,6 +18,7 @@ use crate::hierarchy::{build, Node};
 use crate::judge::Judge;
 use crate::merge::{volume, Proved};
 use crate::settings::{FrameChoice, SearchSettings};
+use crate::slivers::cleared;
 use crate::working::Working;
 
 /// A hull that leaves the engine, in the frame and unit of the input.
@@ -108,11 +109,19 @@ fn run(
     }
     let affordable = settings.most_vertices == 0 || hull.vertices.len() <= settings.most_vertices;
     if affordable && is_convex(mesh, &hull) {
+        let (hull, reach) = match cleared(&hull, CLEARANCE * epsilon) {
+            Some(found) => (found.hull, found.reach),
+            None => (hull, 0.0),
+        };
+        let within = Interval {
+            lower: 0.0,
+            upper: reach,
+        };
         let hull = Hull {
             volume: volume(&hull),
             mesh: hull,
-            thickening: Interval::exactly(0.0),
-            concavity: Some(Interval::exactly(0.0)),
+            thickening: within,
+            concavity: Some(within),
             children: None,
         };
         let hulls = vec![hull];
@@ -125,6 +134,9 @@ fn run(
         .map_err(|e| DecomposeError::Internal(e.to_string()))?;
     pool.install(|| concave(mesh, epsilon, settings, control))
 }
+
+/// How far removing slivers of a convex solid may reach outward, in ε.
+const CLEARANCE: f64 = 1e-3;
 
 /// Stack of the engine's threads.
 const STACK: usize = 16 << 20;

@@ -11,10 +11,15 @@ use crate::error::DecomposeError;
 use crate::judge::Judge;
 use crate::merge::Proved;
 use crate::search::piece::Piece;
+use crate::settings::Metric;
+use crate::slivers::cleared;
 use crate::working::Working;
 
 /// Hulls with fewer vertices gain nothing from simplification.
 const FEW: usize = 8;
+/// How far removing slivers may reach outward, in ε; the second where the proof
+/// leaves no room for the first.
+const CLEARANCE: [f64; 2] = [1e-3, 1e-9];
 
 /// What all hulls of one solid share.
 pub struct Finish<'a> {
@@ -47,7 +52,8 @@ impl Finish<'_> {
         group: &Proved,
         parts: &[Piece],
     ) -> Result<(Mesh, Proved, Option<Interval>), DecomposeError> {
-        let (mesh, mut proved) = self.hull(group, parts)?;
+        let (mesh, proved) = self.hull(group, parts)?;
+        let (mesh, mut proved) = self.clear(mesh, proved, parts)?;
         let limits = Limits {
             cells: self.cells,
             ..*self.judge.limits
@@ -103,6 +109,61 @@ impl Finish<'_> {
                 members: group.members.clone(),
             },
         ))
+    }
+
+    /// The hull without slivers, if the proof allows that.
+    fn clear(
+        &self,
+        mesh: Mesh,
+        proved: Proved,
+        parts: &[Piece],
+    ) -> Result<(Mesh, Proved), DecomposeError> {
+        for share in CLEARANCE {
+            let Some(found) = cleared(&mesh, self.clearance(share)) else {
+                continue;
+            };
+            let hull = self.image(&found.hull)?;
+            let reach = self.working.length(found.reach) + self.judge.solid.slack();
+            // Distance to the solid is 1-Lipschitz.
+            let widened = Interval {
+                lower: proved.thickening.lower,
+                upper: proved.thickening.upper + reach,
+            };
+            let over_budget = proved.thickening.upper > self.judge.epsilon;
+            let near =
+                self.judge.metric == Metric::Thickening && widened.upper <= self.judge.epsilon;
+            let thickening = if near || over_budget {
+                widened
+            } else {
+                let members = proved.members.iter();
+                let own: Vec<&Piece> = members.map(|&m| &parts[m as usize]).collect();
+                match self.judge.decide(&hull, &own) {
+                    Decision::Within(thickening) => thickening,
+                    _ => continue,
+                }
+            };
+            let members = proved.members;
+            return Ok((
+                found.hull,
+                Proved {
+                    hull,
+                    thickening,
+                    members,
+                },
+            ));
+        }
+        Ok((mesh, proved))
+    }
+
+    /// How far removing slivers may reach outward, input length.
+    fn clearance(&self, share: f64) -> f64 {
+        self.working.input_length(share * self.judge.epsilon)
+    }
+
+    /// A coarser hull without slivers, as far as that is possible; it is not
+    /// proved yet.
+    pub fn without_slivers(&self, hull: Mesh) -> Mesh {
+        cleared(&hull, self.clearance(CLEARANCE[0])).map_or(hull, |found| found.hull)
     }
 
     /// The hull with fewer vertices, if one within ε is found.

@@ -142,6 +142,7 @@ fn join(
     let mesh = finish.within_budget(
         convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))?,
     )?;
+    let mesh = finish.without_slivers(mesh);
     let hull = finish.image(&mesh)?;
     let known = (estimate - finish.judge.solid.slack())
         .max(a.proved.thickening.lower)

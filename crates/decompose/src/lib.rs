@@ -19,4 +19,5 @@ pub mod progress;
 pub mod proxy;
 pub mod search;
 pub mod settings;
+pub mod slivers;
 pub mod working;
