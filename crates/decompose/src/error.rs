@@ -40,6 +40,14 @@ pub enum DecomposeError {
         /// The limit.
         limit: usize,
     },
+    /// The ball is too small for the size of the mesh.
+    #[error("a reach of {radius} is too small for this mesh: at least {least} is needed")]
+    Reach {
+        /// What was given.
+        radius: f64,
+        /// What would do.
+        least: f64,
+    },
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

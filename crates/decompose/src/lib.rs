@@ -17,6 +17,7 @@ pub mod merge;
 pub mod part;
 pub mod progress;
 pub mod proxy;
+pub mod reach;
 pub mod search;
 pub mod settings;
 pub mod slivers;

@@ -3,6 +3,7 @@
 use assetpipe_decompose::concavity::thickening::bounds;
 use assetpipe_decompose::concavity::{Gap, Interval, Limits};
 use assetpipe_decompose::decomposition::{self as core, Decomposition};
+use assetpipe_decompose::reach;
 use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::distance::SolidIndex;
 use numpy::{PyArray2, PyReadonlyArray2};
@@ -143,6 +144,26 @@ pub fn thickening<'py>(
             .collect::<Vec<_>>()
     })?;
     Ok(result)
+}
+
+/// What no ball of `radius` can enter from outside: a closed surface around the pockets
+/// as (vertices, faces), how many there are, and the spacing of the lattice.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, radius, threads, on_progress=None))]
+pub fn unreachable<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    radius: f64,
+    threads: usize,
+    on_progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(MeshTuple<'py>, usize, f64)> {
+    let solid = mesh(py, &vertices, &faces)?;
+    let found = watch::run(py, on_progress, |control| {
+        reach::unreachable(&solid, radius, threads, control)
+    })?
+    .map_err(|e| decompose_error(py, &e))?;
+    Ok((arrays(py, &found.pockets), found.count, found.spacing))
 }
 
 /// Convex hull of (n, 3) points: (vertices, faces).

@@ -42,7 +42,7 @@ pub fn decompose_error(py: Python<'_>, error: &DecomposeError) -> PyErr {
         | DecomposeError::NotClosed { .. }
         | DecomposeError::Flat { .. } => "MeshError",
         DecomposeError::Tolerance { .. } => "UsageError",
-        DecomposeError::TooManyParts { .. } => "LimitError",
+        DecomposeError::TooManyParts { .. } | DecomposeError::Reach { .. } => "LimitError",
         DecomposeError::Cancelled => "CancelledError",
         DecomposeError::Internal(_) => "EngineError",
     };

@@ -25,6 +25,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::parts, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::thickening, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::unreachable, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::split, module)?)
 }
