@@ -33,6 +33,23 @@ def thickening(
     hulls: Sequence[_Floats],
     on_progress: Callable[[float], object] | None = None,
 ) -> list[_Bounds]: ...
+def thickening_within(
+    vertices: _Floats,
+    faces: _Ints,
+    hulls: Sequence[_Floats],
+    epsilon: float,
+    on_progress: Callable[[float], object] | None = None,
+) -> list[_Bounds | None]: ...
+def unreachable(
+    vertices: _Floats,
+    faces: _Ints,
+    radius: float,
+    threads: int,
+    on_progress: Callable[[float], object] | None = None,
+) -> tuple[tuple[_Floats, _Ints], int, float]: ...
+def enclosing_shapes(
+    vertices: _Floats,
+) -> list[tuple[str, list[list[float]], list[float], list[float], float]]: ...
 def convex_hull(vertices: _Floats) -> tuple[_Floats, _Ints]: ...
 def split(
     vertices: _Floats, faces: _Ints, normal: tuple[float, float, float], offset: float

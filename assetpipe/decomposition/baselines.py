@@ -14,6 +14,8 @@ from assetpipe.decomposition.certification import certify
 from assetpipe.decomposition.decomposition import Coverage, Decomposition, EngineName
 from assetpipe.decomposition.engine import as_solid, decompose
 from assetpipe.decomposition.hull import Hull
+from assetpipe.decomposition.reach import close_unreachable
+from assetpipe.decomposition.shaping import check_shaping, shaped
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import CancelledError, EngineError, MeshError, UsageError, unknown_name
 from assetpipe.geometry.mesh import FloatArray, Mesh
@@ -36,7 +38,8 @@ def decompose_with(
         tolerance: as in :func:`decompose`. CoACD gets it in its own unit; V-HACD knows no
             length, its defaults are used and the certificate tells what came of it.
         **options: those of :func:`decompose`. The others use ``seed``, ``max_hulls``,
-            ``max_hull_vertices``, ``cavities`` and ``on_progress`` where they can.
+            ``max_hull_vertices``, ``cavities``, ``reach``, ``shapes``, ``overlap`` and
+            ``on_progress`` where they can.
 
     Raises:
         UsageError: an unknown engine, or one that is not installed.
@@ -51,17 +54,33 @@ def decompose_with(
     on_progress: Callable[[float], object] | None = options.get("on_progress")
     if on_progress is not None and on_progress(0.0) is False:
         raise CancelledError("cancelled")
+    epsilon = wanted.on(solid)
+    given, closing = solid, None
+    if options.get("reach"):
+        closed = close_unreachable(solid, options["reach"], on_progress=on_progress)
+        solid, closing = closed.solid, closed.closing
     run = {"coacd": _coacd, "vhacd": _vhacd, "hull": _hull}[engine]
     parts = run(solid, wanted, options)
     hulls = _hulls(solid, parts, engine, on_progress)
-    return Decomposition(
+    shapes, overlap = options.get("shapes", "hulls"), options.get("overlap", 0.0)
+    check_shaping(shapes, overlap, "thickening")
+    result = Decomposition(
         hulls,
         _coverage(solid, hulls),
         engine,
         wanted,
-        wanted.on(solid),
+        epsilon,
         repair=repaired,
-        solid=solid,
+        solid=given,
+        closed=closing,
+    )
+    return shaped(
+        result,
+        solid,
+        shapes=shapes,
+        overlap=overlap,
+        max_hull_vertices=options.get("max_hull_vertices"),
+        on_progress=on_progress,
     )
 
 

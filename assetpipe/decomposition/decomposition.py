@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -14,6 +15,10 @@ from assetpipe.errors import UsageError
 from assetpipe.geometry.mesh import Mesh
 
 if TYPE_CHECKING:
+    import os
+
+    from assetpipe.decomposition.reach import Closing
+    from assetpipe.decomposition.seams import Seams
     from assetpipe.geometry import Repaired
 
 EngineName = Literal["assetpipe", "coacd", "vhacd", "hull"]
@@ -58,6 +63,26 @@ class Node:
     children: tuple[int, int] | None
 
 
+@dataclass(frozen=True)
+class RepairRecord:
+    """What a stored decomposition tells of the repair: its numbers, not its solid.
+
+    Attributes:
+        record: as :meth:`assetpipe.geometry.Repaired.as_dict` wrote it.
+    """
+
+    record: Mapping[str, Any]
+
+    @property
+    def moved(self) -> float:
+        """Upper bound in metres on how far the surface moved, as far as it was told."""
+        return float(self.record.get("moved", 0.0))
+
+    def as_dict(self) -> dict[str, Any]:
+        """JSON-ready, as it was stored."""
+        return dict(self.record)
+
+
 @dataclass(frozen=True, eq=False)
 class Decomposition:
     """Hulls that cover a solid, with their certificate.
@@ -71,7 +96,10 @@ class Decomposition:
         metric: what was held below it.
         repair: what was done to make the mesh a solid; ``None`` if it was one.
         nodes: the hierarchy: leaves first, children before parents.
-        solid: what the hulls cover, after repair; metres.
+        solid: what the hulls cover, after repair and before anything was closed; metres.
+        closed: what was closed because nothing can reach it; the certificate is towards the
+            solid so closed. ``None`` if that was not asked.
+        seams: what became of the seams of this level; ``None`` if no overlap was asked.
     """
 
     hulls: tuple[Hull, ...]
@@ -80,9 +108,11 @@ class Decomposition:
     tolerance: Tolerance
     epsilon: float
     metric: Literal["thickening", "concavity"] = "thickening"
-    repair: Repaired | None = None
+    repair: Repaired | RepairRecord | None = None
     nodes: tuple[Node, ...] = ()
     solid: Mesh | None = None
+    closed: Closing | None = None
+    seams: Seams | None = None
 
     @cached_property
     def inner(self) -> tuple[InnerHull, ...]:
@@ -182,17 +212,30 @@ class Decomposition:
 
     def _level(self, indices: list[int], epsilon: float) -> Decomposition:
         hulls = tuple(self.nodes[index].hull for index in sorted(indices))
-        return Decomposition(
-            hulls,
-            self.coverage,
-            self.engine,
-            self.tolerance,
-            epsilon,
-            self.metric,
-            self.repair,
-            self.nodes,
-            self.solid,
-        )
+        return replace(self, hulls=hulls, epsilon=epsilon, seams=None)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all levels to a file; see ``docs/decomposition_file.md``.
+
+        Raises:
+            InputError: the place cannot be written to.
+        """
+        from assetpipe.decomposition.storage import save
+
+        save(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Decomposition:
+        """Read what :meth:`save` wrote; nothing is computed again.
+
+        Raises:
+            InputError: unreadable, not such a file, of another version, damaged or
+                inconsistent; says where.
+            LimitError: larger than 256 MiB.
+        """
+        from assetpipe.decomposition.storage import load
+
+        return load(path)
 
     def as_dict(self) -> dict[str, Any]:
         """JSON-ready: numbers only, no arrays."""
@@ -206,6 +249,8 @@ class Decomposition:
             "hulls": [hull.as_dict() for hull in self.hulls],
             "hull_vertices": sum(len(hull.vertices) for hull in self.hulls),
             "repair": self.repair.as_dict() if self.repair else None,
+            "closed": self.closed.as_dict() if self.closed else None,
+            "seams": self.seams.as_dict() if self.seams else None,
         }
 
 

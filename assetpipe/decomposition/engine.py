@@ -19,6 +19,8 @@ from assetpipe.decomposition.params import (
     Metric,
     Params,
 )
+from assetpipe.decomposition.reach import check_reach, close_unreachable
+from assetpipe.decomposition.shaping import Shapes, check_shaping, shaped
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import MeshError, UsageError, unknown_name
 from assetpipe.geometry.mesh import Mesh
@@ -50,6 +52,8 @@ def decompose(
     max_hull_vertices: int | None = None,
     cavities: Cavities = "keep",
     reach: float = 0.0,
+    shapes: Shapes = "hulls",
+    overlap: float = 0.0,
     on_progress: OnProgress | None = None,
     params: Params | None = None,
 ) -> Decomposition:
@@ -69,7 +73,14 @@ def decompose(
         max_hulls: budget; met by merging outwards, the certificate tells the price.
         max_hull_vertices: budget a hull; met by simplifying outwards, likewise.
         cavities: ``"fill"`` closes enclosed voids first; ``"keep"`` leaves them.
-        reach: must be 0: closing space that nothing can enter is not available yet.
+        reach: metres; space that no ball of this radius can enter from outside counts as
+            solid, and certificates are towards the solid so closed; 0 closes nothing.
+            ``closed`` of the result tells what it was.
+        shapes: ``"primitives"`` replaces hulls by boxes, cylinders and spheres that enclose
+            them where these are proved to stay within the tolerance, as
+            ``"primitives_and_capsules"`` does by capsules too; see :attr:`Hull.primitive`.
+        overlap: metres by which neighbouring hulls overlap across their seams, as far as that
+            is proved to stay within the tolerance; ``seams`` of the result counts.
         on_progress: called with the share done (0 to 1), about thirty times a second;
             returning ``False`` or raising stops the work.
         params: parameters of the search, for experiments.
@@ -80,14 +91,14 @@ def decompose(
     Raises:
         UsageError: an unknown name or an impossible number.
         MeshError: the mesh encloses no volume or cannot be made a solid.
-        LimitError: more parts than the engine allows.
+        LimitError: more parts than the engine allows, or a reach too small for the mesh.
         CancelledError: ``on_progress`` returned ``False``.
     """
     from assetpipe import _core
 
     _check(metric, effort, cavities)
-    if reach != 0:
-        raise UsageError(f"reach is not available in this version; it must be 0, not {reach}")
+    check_reach(reach)
+    check_shaping(shapes, overlap, metric)
     if max_hull_vertices is not None and max_hull_vertices < 4:
         raise UsageError(f"max_hull_vertices must be at least 4, not {max_hull_vertices}")
     if max_hulls is not None and max_hulls < 1:
@@ -97,6 +108,10 @@ def decompose(
     wanted = Tolerance.parse(tolerance)
     solid, repaired = as_solid(Mesh.of(mesh), cavities)
     epsilon = wanted.on(solid)
+    given, closing = solid, None
+    if reach > 0.0:
+        closed = close_unreachable(solid, reach, threads=threads, on_progress=on_progress)
+        solid, closing = closed.solid, closed.closing
     settings: dict[str, str | float] = {
         **_SETTINGS[effort],
         "metric": metric,
@@ -133,11 +148,21 @@ def decompose(
         metric,
         repaired,
         nodes,
-        solid,
+        given,
+        closing,
     )
     if max_hulls is not None and len(result.hulls) > max_hulls:
-        return result.at(max_hulls=max_hulls)
-    return result
+        result = result.at(max_hulls=max_hulls)
+    if shapes == "hulls" and overlap == 0.0:
+        return result
+    return shaped(
+        result,
+        solid,
+        shapes=shapes,
+        overlap=overlap,
+        max_hull_vertices=max_hull_vertices,
+        on_progress=on_progress,
+    )
 
 
 def _check(metric: str, effort: str, cavities: str) -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from assetpipe.decomposition.certificate import Certificate
 from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh, locked
+
+if TYPE_CHECKING:
+    from assetpipe.decomposition.primitives import Primitive
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,12 +21,15 @@ class Hull:
         faces: (f, 3) int64, counter-clockwise seen from outside.
         volume: m³.
         certificate: what is proved about it.
+        primitive: the simple shape to write in its place; the polytope is around it, and the
+            certificate holds for both. ``None``: the polytope itself.
     """
 
     vertices: FloatArray
     faces: IntArray
     volume: float
     certificate: Certificate
+    primitive: Primitive | None = None
 
     def __post_init__(self) -> None:
         locked(self.vertices)
@@ -41,4 +47,5 @@ class Hull:
             "faces": len(self.faces),
             "volume": self.volume,
             "certificate": self.certificate.as_dict(),
+            "primitive": self.primitive.as_dict() if self.primitive else None,
         }

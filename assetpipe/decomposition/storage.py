@@ -26,7 +26,9 @@ from assetpipe.decomposition.decomposition import (
 )
 from assetpipe.decomposition.hull import Hull
 from assetpipe.decomposition.params import Metric
+from assetpipe.decomposition.primitives import Kind, Primitive
 from assetpipe.decomposition.reach import Closing
+from assetpipe.decomposition.seams import Seams
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import InputError, LimitError, Location, MeshError
 from assetpipe.geometry.mesh import Mesh
@@ -65,12 +67,29 @@ class _Closing(_Record):
     spacing: Length
 
 
+class _Seams(_Record):
+    overlap: Length
+    widened: Count
+    open: Count
+
+
+Coordinate = Annotated[float, Field(allow_inf_nan=False)]
+Row = tuple[Coordinate, Coordinate, Coordinate, Coordinate]
+
+
+class _Primitive(_Record):
+    kind: Kind
+    frame: tuple[Row, Row, Row, Row]
+    size: Annotated[tuple[Length, ...], Field(min_length=1, max_length=3)]
+
+
 class _Node(_Record):
     vertices: Annotated[int, Field(ge=4, le=2**31 - 1)]
     faces: Annotated[int, Field(ge=4, le=2**31 - 1)]
     thickening: Bounds
     concavity: Bounds | None
     volume: Length
+    primitive: _Primitive | None
     children: tuple[Count, Count] | None
 
 
@@ -82,6 +101,7 @@ class _Head(_Record):
     coverage: _Coverage
     repair: dict[str, Any] | None
     closed: _Closing | None
+    seams: _Seams | None
     hierarchy: Literal["complete", "none"]
     level: tuple[Count, ...]
     nodes: tuple[_Node, ...]
@@ -155,6 +175,7 @@ def encode(decomposition: Decomposition) -> bytes:
         ),
         repair=decomposition.repair.as_dict() if decomposition.repair else None,
         closed=_Closing(**decomposition.closed.as_dict()) if decomposition.closed else None,
+        seams=_Seams(**decomposition.seams.as_dict()) if decomposition.seams else None,
         hierarchy="complete" if decomposition.nodes else "none",
         level=tuple(position[id(hull)] for hull in decomposition.hulls),
         nodes=tuple(
@@ -166,6 +187,7 @@ def encode(decomposition: Decomposition) -> bytes:
                 if proved.concavity
                 else None,
                 volume=node.hull.volume,
+                primitive=_primitive_record(node.hull.primitive),
                 children=node.children,
             )
             for node, proved in zip(nodes, certificates, strict=True)
@@ -193,7 +215,7 @@ def decode(data: bytes) -> Decomposition:
         Node(hull, record.children)
         for hull, record in zip(_hulls(head.nodes, arrays), head.nodes, strict=True)
     )
-    closed, cover = head.closed, head.coverage
+    closed, seams, cover = head.closed, head.seams, head.coverage
     return Decomposition(
         tuple(nodes[index].hull for index in head.level),
         Coverage(cover.proof, cover.uncovered, cover.samples),
@@ -206,6 +228,7 @@ def decode(data: bytes) -> Decomposition:
         closed=Closing(closed.reach, closed.pockets, closed.volume, closed.spacing)
         if closed
         else None,
+        seams=Seams(seams.overlap, seams.widened, seams.open) if seams else None,
     )
 
 
@@ -292,4 +315,26 @@ def _hulls(records: Sequence[_Node], arrays: memoryview) -> Iterator[Hull]:
                 Interval(*record.thickening),
                 Interval(*record.concavity) if record.concavity else None,
             ),
+            _primitive(record.primitive, index),
         )
+
+
+def _primitive_record(shape: Primitive | None) -> _Primitive | None:
+    if shape is None:
+        return None
+    x, y, z, w = (tuple(float(v) for v in row) for row in shape.frame)
+    return _Primitive(kind=shape.kind, frame=(x, y, z, w), size=shape.size)  # type: ignore[arg-type]
+
+
+_SIZES: dict[Kind, int] = {"box": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
+
+
+def _primitive(record: _Primitive | None, node: int) -> Primitive | None:
+    if record is None:
+        return None
+    if len(record.size) != _SIZES[record.kind]:
+        raise InputError(
+            f"nodes.{node}.primitive: a {record.kind} has {_SIZES[record.kind]} sizes, "
+            f"not {len(record.size)}"
+        )
+    return Primitive(record.kind, np.array(record.frame, dtype=np.float64), record.size)

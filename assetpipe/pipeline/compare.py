@@ -84,7 +84,7 @@ def validate(
         built: the URDF that was made of it, or the folder that holds it alone.
         scenes: files, or names of shipped scenes.
         depth: ``sensitivity`` answers scenes again with every effect toggled.
-        config: its ``validation``, ``limits``, ``cavities`` and ``jobs`` matter.
+        config: its ``validation``, ``limits``, ``cavities``, ``reach`` and ``jobs`` matter.
         on_progress: hears of it.
         cancel: stops it.
 
@@ -172,6 +172,7 @@ def _compare(
             "after": [_request(c) for c in new],
             "contact": contact if "contact" in settings.checks else None,
             "cavities": config.cavities,
+            "reach": config.reach,
         }
         for _, old, new in pairs
     ]

@@ -22,13 +22,19 @@ def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
     """Compare.
 
     Request keys: ``before`` and ``after``, lists of ``{file, scale, matrix}``; ``contact``
-    with ``samples`` and ``seed``; ``cavities``.
+    with ``samples`` and ``seed``; ``cavities``; ``reach``.
     """
+    from assetpipe.decomposition import close_unreachable
+
     findings: list[Finding] = []
     facts: dict[str, Any] = {}
     try:
         reporter.stage("repair")
         solid = _solid(request["before"], request["cavities"])
+        if request["reach"] > 0.0:
+            reporter.stage("reach")
+            closed = close_unreachable(solid, request["reach"])
+            solid, facts["closed"] = closed.solid, closed.closing.as_dict()
         hulls = [_convex(_placed(item)) for item in request["after"]]
         reporter.stage("certify")
         outcome = _certified(solid, hulls, facts, reporter)

@@ -48,7 +48,9 @@ def work(request: Mapping[str, Any], reporter: Reporter) -> MeshOutcome:
     repaired = _solid(mesh, request, facts, findings)
     if repaired is None or repaired.solid is None or request["until"] == "repair":
         return kept()
-    solid = repaired.solid
+    solid = _closed(repaired.solid, request, facts, findings, reporter)
+    if solid is None:
+        return kept()
     reporter.stage("decompose")
     hulls = _decompose(solid, request, facts, findings, reporter)
     if hulls is None:
@@ -147,6 +149,36 @@ def graded(finding: Finding, moved: float, tolerance: float) -> Finding:
     return replace(finding, severity=severity, message=message)
 
 
+def _closed(
+    solid: Mesh,
+    request: Mapping[str, Any],
+    facts: dict[str, Any],
+    findings: list[Finding],
+    reporter: Reporter,
+) -> Mesh | None:
+    """The solid, with the space that nothing can enter if that was asked."""
+    from assetpipe.decomposition import close_unreachable
+
+    reach = request["params"]["reach"]
+    if reach == 0.0:
+        return solid
+    try:
+        closed = close_unreachable(
+            solid,
+            reach,
+            threads=int(os.environ.get("ASSETPIPE_THREADS", "1")),
+            on_progress=lambda done: reporter.stage("reach", float(done)),
+        )
+    except LimitError as error:
+        findings.append(Finding("AP206", Severity.ERROR, error.message))
+        return None
+    except MeshError as error:
+        findings.append(Finding("AP303", Severity.ERROR, error.message))
+        return None
+    facts["closed"] = closed.closing.as_dict()
+    return closed.solid
+
+
 def _decompose(
     solid: Mesh,
     request: Mapping[str, Any],
@@ -172,7 +204,7 @@ def _decompose(
             max_hulls=params["max_hulls"],
             max_hull_vertices=params["max_hull_vertices"],
             cavities="keep",  # repair has filled them, if that was asked
-            reach=params["reach"],
+            reach=0.0,  # closed already, for the hulls and for what judges them
             on_progress=lambda done: reporter.stage("decompose", float(done)),
         )
     except LimitError as error:

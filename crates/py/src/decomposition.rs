@@ -1,7 +1,7 @@
 //! `decompose`, `thickening`, `convex_hull`.
 
-use assetpipe_decompose::concavity::thickening::bounds;
-use assetpipe_decompose::concavity::{Gap, Interval, Limits};
+use assetpipe_decompose::concavity::thickening::{bounds, decide};
+use assetpipe_decompose::concavity::{Decision, Gap, Interval, Limits};
 use assetpipe_decompose::decomposition::{self as core, Decomposition};
 use assetpipe_decompose::reach;
 use assetpipe_decompose::settings::SearchSettings;
@@ -144,6 +144,48 @@ pub fn thickening<'py>(
             .collect::<Vec<_>>()
     })?;
     Ok(result)
+}
+
+/// Certified thickening (lower, upper) of each hull that is proved to stay within
+/// `epsilon` of the solid; `None` for the others. Hulls are point sets, as in `thickening`.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, hulls, epsilon, on_progress=None))]
+pub fn thickening_within<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    hulls: Vec<PyReadonlyArray2<'py, f64>>,
+    epsilon: f64,
+    on_progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Vec<Option<Bounds>>> {
+    let solid = mesh(py, &vertices, &faces)?;
+    let mut meshes = Vec::with_capacity(hulls.len());
+    for (index, hull) in hulls.iter().enumerate() {
+        let points = points(py, hull)?;
+        let mesh = assetpipe_geometry::hull::convex_hull(&points)
+            .map_err(|e| mesh_error(py, &format!("hull {index}: {e}")))?;
+        meshes.push(mesh);
+    }
+    watch::run(py, on_progress, |control| {
+        let cancelled = || control.is_cancelled();
+        let limits = Limits {
+            cells: 3_000,
+            cancelled: &cancelled,
+        };
+        let index = SolidIndex::new(&solid);
+        let gap = Gap {
+            relative: 0.05,
+            absolute: 0.01 * epsilon,
+        };
+        let proved = |hull| {
+            let Decision::Within(known) = decide(&index, hull, epsilon, &limits) else {
+                return None;
+            };
+            let found = bounds(&index, hull, gap, &limits);
+            Some((found.lower.max(known.lower), found.upper.min(known.upper)))
+        };
+        meshes.iter().map(proved).collect::<Vec<_>>()
+    })
 }
 
 /// What no ball of `radius` can enter from outside: a closed surface around the pockets

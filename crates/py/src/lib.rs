@@ -12,6 +12,7 @@ mod errors;
 mod geometry;
 mod inner;
 mod polygon;
+mod primitive;
 mod watch;
 
 use pyo3::prelude::*;
@@ -25,6 +26,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::parts, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::thickening, module)?)?;
+    module.add_function(wrap_pyfunction!(primitive::enclosing_shapes, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::thickening_within, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::unreachable, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::split, module)?)

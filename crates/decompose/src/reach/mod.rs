@@ -36,7 +36,7 @@ use runs::Components;
 /// Most lattice points: 5 bytes and some 100 ns each.
 const POINTS: usize = 48_000_000;
 /// As many are spent on a finer lattice than is needed.
-const CHEAP: usize = 12_000_000;
+const CHEAP: usize = 6_000_000;
 /// Spacings tried, as shares of the radius.
 const SPACINGS: [f64; 7] = [
     1.0 / 16.0,
