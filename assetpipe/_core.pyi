@@ -40,6 +40,7 @@ def thickening_within(
     epsilon: float,
     on_progress: Callable[[float], object] | None = None,
 ) -> list[_Bounds | None]: ...
+def simplify_within(vertices: _Floats, reach: float) -> tuple[_Floats, _Ints]: ...
 def unreachable(
     vertices: _Floats,
     faces: _Ints,

@@ -28,11 +28,19 @@ import igl
 import numpy as np
 import trimesh
 from lxml import etree
+from scipy import ndimage
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, QhullError, cKDTree
+from scipy.spatial.transform import Rotation
 
 ROUNDING = 1e-9
 """Of the size: what a vertex may lie outside a hull's face."""
+SIMPLE = {
+    "box": ["size"],
+    "cylinder": ["radius", "length"],
+    "capsule": ["radius", "length"],
+    "sphere": ["radius"],
+}
 TOKEN = re.compile(
     rb"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<collision\b[^>]*?/>|<collision\b|</collision\s*>",
     re.DOTALL,
@@ -303,6 +311,75 @@ def outside_all(points: np.ndarray, planes: list[np.ndarray], bound: float) -> n
     return reach
 
 
+def matrix_of(element) -> np.ndarray:
+    """(4, 4) from an element's origin: rotations about fixed x, y, z."""
+    x, y, z, roll, pitch, yaw = origin(element)
+    result = np.eye(4)
+    result[:3, :3] = Rotation.from_euler("xyz", [roll, pitch, yaw]).as_matrix()
+    result[:3, 3] = x, y, z
+    return result
+
+
+def simple_shape(child, element) -> tuple[str, np.ndarray, list[float]] | None:
+    """Kind, frame relative to the old element, and sizes of a box, cylinder, capsule, sphere."""
+    for kind, names in SIMPLE.items():
+        found = child.find(f"geometry/{kind}")
+        if found is not None:
+            sizes = [float(v) for name in names for v in (found.get(name) or "").split()]
+            return kind, np.linalg.inv(matrix_of(element)) @ matrix_of(child), sizes
+    return None
+
+
+def beyond_shape(points: np.ndarray, shape) -> np.ndarray:
+    """How far points lie outside of a simple shape; at most 0 inside."""
+    kind, frame, sizes = shape
+    local = (points - frame[:3, 3]) @ frame[:3, :3]
+    if kind == "box":
+        return (np.abs(local) - 0.5 * np.array(sizes)).max(axis=1)
+    if kind == "sphere":
+        return np.linalg.norm(local, axis=1) - sizes[0]
+    radius, half = sizes[0], 0.5 * sizes[1]
+    across, along = np.linalg.norm(local[:, :2], axis=1), np.abs(local[:, 2])
+    if kind == "cylinder":
+        return np.maximum(across - radius, along - half)
+    return np.hypot(across, np.maximum(along - half, 0.0)) - radius
+
+
+def on_shape(shape, rng, count: int = 2000) -> np.ndarray:
+    """Points on the surface of a simple shape, and corners of a box."""
+    kind, frame, sizes = shape
+    unit = rng.normal(size=(count, 3))
+    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
+    if kind == "box":
+        local = np.vstack([np.sign(unit), unit / np.abs(unit).max(axis=1, keepdims=True)])
+        local *= 0.5 * np.array(sizes)
+    elif kind == "sphere":
+        local = unit * sizes[0]
+    elif kind == "cylinder":
+        ring = unit[:, :2] / np.linalg.norm(unit[:, :2], axis=1, keepdims=True) * sizes[0]
+        local = np.column_stack([ring, np.sign(unit[:, 2]) * 0.5 * sizes[1]])
+    else:
+        local = unit * sizes[0] + np.sign(unit[:, 2:]) * [0.0, 0.0, 0.5 * sizes[1]]
+    return local @ frame[:3, :3].T + frame[:3, 3]
+
+
+def touched(points, vertices, windings, radius: float) -> np.ndarray:
+    """Which points a ball from outside surely touches: its centre walks on a lattice whose
+    points are all half a step farther from the surface than it must be."""
+    low, high = vertices.min(axis=0) - 2 * radius, vertices.max(axis=0) + 2 * radius
+    step = max(radius / 3, float(np.cbrt(np.prod(high - low) / 600_000)))
+    shape = np.ceil((high - low) / step).astype(int) + 1
+    lattice = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1)
+    centres = low + step * lattice.reshape(-1, 3)
+    squared, *_ = igl.point_mesh_squared_distance(centres, vertices, windings[0])
+    free = np.sqrt(np.asarray(squared).ravel()) >= radius + step / 2
+    free[free] = ~inside(centres[free], vertices, windings)
+    labels, _ = ndimage.label(free.reshape(shape))
+    reached = centres[(labels == labels[0, 0, 0]).ravel() & free]
+    distance, _ = cKDTree(reached).query(points)
+    return distance < radius - 1e-9
+
+
 # --- checks -------------------------------------------------------------------------------
 
 
@@ -363,8 +440,16 @@ def check_references(verdict: Verdict, root, old_root, urdf: Path, old_urdf: Pat
                     )
 
 
-def check_mesh(verdict: Verdict, entry: dict, path: Path, hulls: list[Path], samples: int) -> None:
-    """Hull files are sound, cover the solid, and keep their certificates."""
+def check_mesh(
+    verdict: Verdict,
+    entry: dict,
+    path: Path,
+    hulls: list[Path],
+    simple: dict[Path, tuple],
+    samples: int,
+) -> None:
+    """Hull files are sound, cover the solid, and keep their certificates; simple shapes lie in
+    the hulls that were certified for them, and cover in their place."""
     rng = np.random.default_rng(0)
     who = f"{entry['name']} ({','.join(entry['links'][:3])})"
     read = [read_hull(h) for h in hulls]
@@ -377,7 +462,16 @@ def check_mesh(verdict: Verdict, entry: dict, path: Path, hulls: list[Path], sam
         f"on disk {len(hulls)}, {sum(len(v) for v, _, _ in read)}",
     )
     planes = [planes_of(v) for v, _, _ in read]
-    flat = [p for p in planes if p is not None]
+    shapes = [simple.get(h) for h in hulls]
+    for file, own, shape in zip(hulls, planes, shapes, strict=True):
+        if shape is not None and own is not None:
+            surface = on_shape(shape, rng)
+            excess = (surface @ own[:, :3].T + own[:, 3]).max()
+            verdict.expect(
+                excess <= ROUNDING * np.abs(surface).max(),
+                f"{who}: {file.name}: the {shape[0]} reaches {excess:.3g} m out of it",
+            )
+    flat = [p for p, s in zip(planes, shapes, strict=True) if p is not None and s is None]
     scale = np.array(entry["scale"], float)
     moved = float((entry.get("repair") or {}).get("moved") or 0.0)
     upper = float(entry["certificate"]["thickening"]["upper"])
@@ -387,6 +481,8 @@ def check_mesh(verdict: Verdict, entry: dict, path: Path, hulls: list[Path], sam
         skin = skin[len(vertices) :] if len(vertices) > samples else skin
         size = float(np.linalg.norm(np.ptp(skin, axis=0)))
         uncovered = outside_all(skin, flat, 1e-9 * size)
+        for shape in filter(None, shapes):
+            uncovered = np.minimum(uncovered, beyond_shape(skin, shape))
         if best is None or uncovered.max() < best[0].max():
             best = (uncovered, skin, vertices * scale, faces, size, form)
     uncovered, skin, vertices, faces, size, form = best
@@ -427,6 +523,11 @@ def check_mesh(verdict: Verdict, entry: dict, path: Path, hulls: list[Path], sam
     far = np.flatnonzero(distance > 0.3 * allowed)
     distance[far[inside(points_all[far], points, (outward, wound))]] = 0.0
     suspects = np.flatnonzero(distance > allowed + slack)
+    closed_up = entry.get("closed")
+    if closed_up and len(suspects):
+        # Towards the solid without what nothing can enter: only points that a ball touches count.
+        radius = float(closed_up["reach"])
+        suspects = suspects[touched(points_all[suspects], points, (outward, wound), radius)]
     excess = distance[suspects] - allowed[suspects]
     if len(suspects):
         k = suspects[excess.argmax()]
@@ -624,6 +725,7 @@ def verify(original: Path, out: Path, samples: int) -> Verdict:
     for link, _, element in after:
         by_link.setdefault(link, []).append(element)
     successors, kept = [], set()
+    simple: dict[Path, tuple] = {}
     for link, index, element in before:
         told = [e for e in elements_of(robot["links"].get(link, [])) if e["index"] == index]
         if not verdict.expect(
@@ -639,6 +741,10 @@ def verify(original: Path, out: Path, samples: int) -> Verdict:
             continue
         if files:
             for child, file in zip(mine, files, strict=True):
+                shape = simple_shape(child, element)
+                if shape is not None:
+                    simple[out / file] = shape
+                    continue
                 mesh = child.find("geometry/mesh")
                 path = None if mesh is None else resolve(mesh.get("filename") or "", urdf, out)
                 verdict.expect(
@@ -680,7 +786,7 @@ def verify(original: Path, out: Path, samples: int) -> Verdict:
         path = resolve(entry["name"], original)
         if not verdict.expect(path is not None, f"{entry['name']}: built, but not found by us"):
             continue
-        check_mesh(verdict, entry, path, hulls_of[number], samples)
+        check_mesh(verdict, entry, path, hulls_of[number], simple, samples)
     check_files(verdict, out, report, original)
     bullet_source = original if original.suffix != ".xacro" else urdf
     check_bullet(verdict, root, urdf, kept, bullet_source)

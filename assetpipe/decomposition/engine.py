@@ -117,6 +117,8 @@ def decompose(
         "metric": metric,
         "most_vertices": max_hull_vertices or 0,
         "seed": seed,
+        # Shapes fit hulls as they are; those that stay hulls are slimmed afterwards.
+        **({} if shapes == "hulls" else {"slim": 0.0}),
         **(params.search if params else {}),
     }
     found, leaves = _core.decompose(

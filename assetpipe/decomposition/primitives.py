@@ -25,6 +25,12 @@ SIDES = 32
 """Of the polytopes around round shapes: they reach 0.5% of the radius beyond."""
 _MARGIN = 1e-11
 """Of the size: room for the rounding of angles and of numbers in a file."""
+_PRICES: dict[Kind, float] = {"box": 1.0, "sphere": 1.0, "cylinder": 1.01, "capsule": 1.03}
+"""Of a unit of volume: shapes about as small are chosen for being simple."""
+_SLIM = (0.1, 0.03, 0.01)
+"""How far slimming may reach outward, in tolerances, as in the engine."""
+_FEW = 8
+"""Hulls with fewer vertices gain nothing from slimming."""
 _BULKY = 3.0
 """Times the hull's volume: shapes beyond that are not worth a proof."""
 
@@ -148,7 +154,7 @@ def enclosing(hull: Mesh, kinds: Sequence[Kind] = KINDS) -> tuple[Primitive, ...
         shape = Primitive(kind, frame, _grown(kind, lengths, margin))
         if float(shape.depth(hull.vertices).min()) > 0.0:
             found.append(shape)
-    return tuple(sorted(found, key=lambda shape: (shape.volume, KINDS.index(shape.kind))))
+    return tuple(sorted(found, key=lambda shape: shape.volume * _PRICES[shape.kind]))
 
 
 def _grown(kind: str, lengths: Sequence[float], margin: float) -> tuple[float, ...]:
@@ -177,7 +183,7 @@ def with_primitives(
 
     Args:
         solid: what the hulls stand for, metres.
-        hulls: of a decomposition.
+        hulls: of a decomposition; hulls that have been slimmed outward fit worse.
         epsilon: metres.
         kinds: which shapes may be used.
         on_progress: as in :func:`assetpipe.decompose`.
@@ -210,3 +216,27 @@ def with_primitives(
         certificate = Certificate(Interval(lower, proof[1]), None)
         result[index] = Hull(polytope.vertices, polytope.faces, polytope.volume, certificate, shape)
     return tuple(result)
+
+
+def slimmed(solid: Mesh, hull: Hull, epsilon: float) -> Hull:
+    """The hull with fewer vertices, outward, if that is proved to stay within ``epsilon``: for
+    hulls that were left as they were to find shapes around them."""
+    from assetpipe import _core
+
+    for share in _SLIM:
+        if len(hull.vertices) <= _FEW:
+            return hull
+        vertices, faces = _core.simplify_within(hull.vertices, share * epsilon)
+        if len(vertices) == len(hull.vertices):
+            return hull
+        (proof,) = _core.thickening_within(
+            np.ascontiguousarray(solid.vertices),
+            np.ascontiguousarray(solid.faces),
+            [vertices],
+            epsilon,
+        )
+        if proof is not None:
+            mesh = Mesh(vertices, faces)
+            certificate = Certificate(Interval(*proof), None)
+            return Hull(mesh.vertices, mesh.faces, mesh.volume, certificate)
+    return hull

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Literal, get_args
 
 from assetpipe.decomposition.decomposition import Decomposition, Node
-from assetpipe.decomposition.primitives import KINDS, Kind, with_primitives
+from assetpipe.decomposition.primitives import KINDS, Kind, slimmed, with_primitives
 from assetpipe.decomposition.seams import with_overlap
 from assetpipe.errors import UsageError, unknown_name
 from assetpipe.geometry.mesh import Mesh
@@ -72,6 +72,10 @@ def shaped(
         hulls = with_primitives(
             solid, hulls, found.epsilon, kinds=_KINDS[shapes], on_progress=on_progress
         )
+        if found.engine == "assetpipe":
+            hulls = tuple(
+                hull if hull.primitive else slimmed(solid, hull, found.epsilon) for hull in hulls
+            )
     instead = {id(old): new for old, new in zip(found.hulls, hulls, strict=True)}
     nodes = tuple(Node(instead.get(id(n.hull), n.hull), n.children) for n in found.nodes)
     return replace(found, hulls=hulls, nodes=nodes, seams=seams)

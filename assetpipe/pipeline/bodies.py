@@ -9,7 +9,7 @@ import numpy as np
 
 from assetpipe.errors import AssetpipeError
 from assetpipe.geometry.mesh import Mesh
-from assetpipe.pipeline.outcome import MeshOutcome
+from assetpipe.pipeline.outcome import HullOutcome, MeshOutcome
 from assetpipe.robot import Box, Capsule, Cylinder, MeshShape, OtherShape, Robot, Shape, Sphere
 from assetpipe.validation import LinkBody
 
@@ -61,7 +61,8 @@ def bodies_of(robot: Robot, outcomes: Outcomes, visual_links: Collection[str]) -
                     old.append(kept.transformed(place))
                     new.append(kept.transformed(place))
                 continue
-            kinds.add("hulls")
+            # Engines see round shapes themselves, not the polytopes around them.
+            kinds |= {_seen_as(hull) for hull in outcome.hulls}
             old.append(outcome.solid.transformed(place))
             new += [hull.mesh.transformed(place) for hull in outcome.hulls]
             bound = max([bound, *(hull.thickening[1] for hull in outcome.hulls)])
@@ -72,6 +73,10 @@ def bodies_of(robot: Robot, outcomes: Outcomes, visual_links: Collection[str]) -
         if "kept" not in kinds:
             ours.add(link.name)
     return Bodies(tuple(before), tuple(after), convex, frozenset(ours))
+
+
+def _seen_as(hull: HullOutcome) -> str:
+    return "hulls" if hull.primitive is None or hull.primitive.kind == "box" else "round"
 
 
 def bodies_of_links(outcomes: Mapping[str, MeshOutcome]) -> Bodies:

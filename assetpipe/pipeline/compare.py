@@ -22,7 +22,17 @@ from assetpipe.pipeline.outcome import MeshOutcome
 from assetpipe.pipeline.progress import Listener, Progress, Token, cancelled_by, silent
 from assetpipe.pipeline.proof import said
 from assetpipe.pipeline.result import exit_code
-from assetpipe.robot import Collision, Link, MeshShape, Robot, read_robot
+from assetpipe.robot import (
+    Box,
+    Capsule,
+    Collision,
+    Cylinder,
+    Link,
+    MeshShape,
+    Robot,
+    Sphere,
+    read_robot,
+)
 
 if TYPE_CHECKING:
     from assetpipe.validation.effects import Plan
@@ -234,7 +244,7 @@ def _pairs(before: Robot, after: Robot) -> tuple[list[Pair], list[Finding]]:
             continue
         common = {_identity(c) for c in link.collisions} & {_identity(c) for c in other.collisions}
         old = tuple(c for c in link.collisions if _readable(c) and _identity(c) not in common)
-        new = tuple(c for c in other.collisions if _readable(c) and _identity(c) not in common)
+        new = tuple(c for c in other.collisions if _comparable(c) and _identity(c) not in common)
         if old and new:
             pairs.append((link, old, new))
     return pairs, findings
@@ -242,6 +252,11 @@ def _pairs(before: Robot, after: Robot) -> tuple[list[Pair], list[Finding]]:
 
 def _readable(collision: Collision) -> bool:
     return isinstance(collision.shape, MeshShape) and collision.shape.path is not None
+
+
+def _comparable(collision: Collision) -> bool:
+    """Meshes, and the simple shapes that may stand in their place."""
+    return _readable(collision) or isinstance(collision.shape, Box | Cylinder | Sphere | Capsule)
 
 
 def _identity(collision: Collision) -> tuple[Any, ...]:
@@ -253,7 +268,14 @@ def _identity(collision: Collision) -> tuple[Any, ...]:
 
 def _request(collision: Collision) -> dict[str, Any]:
     shape = collision.shape
-    assert isinstance(shape, MeshShape)  # noqa: S101 - only readable meshes get here
+    if isinstance(shape, Box | Cylinder | Sphere | Capsule):
+        sizes = shape.size if isinstance(shape, Box) else tuple(vars(shape).values())
+        return {
+            "kind": type(shape).__name__.lower(),
+            "size": list(sizes),
+            "matrix": collision.link_from_shape.tolist(),
+        }
+    assert isinstance(shape, MeshShape)  # noqa: S101 - nothing else gets here
     return {
         "file": str(shape.path),
         "scale": list(shape.scale),

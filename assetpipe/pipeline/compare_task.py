@@ -21,7 +21,8 @@ from assetpipe.pipeline.stages import Reporter
 def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
     """Compare.
 
-    Request keys: ``before`` and ``after``, lists of ``{file, scale, matrix}``; ``contact``
+    Request keys: ``before`` and ``after``, lists of ``{file, scale, matrix}``, in ``after``
+    also of ``{kind, size, matrix}`` for simple shapes; ``contact``
     with ``samples`` and ``seed``; ``cavities``; ``reach``.
     """
     from assetpipe.decomposition import close_unreachable
@@ -35,7 +36,9 @@ def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
             reporter.stage("reach")
             closed = close_unreachable(solid, request["reach"])
             solid, facts["closed"] = closed.solid, closed.closing.as_dict()
-        hulls = [_convex(_placed(item)) for item in request["after"]]
+        hulls = [
+            _simple(item) if "kind" in item else _convex(_placed(item)) for item in request["after"]
+        ]
         reporter.stage("certify")
         outcome = _certified(solid, hulls, facts, reporter)
         reporter.partial(outcome.encode())
@@ -54,6 +57,14 @@ def _placed(item: Mapping[str, Any]) -> Mesh:
 
     mesh = read_mesh(Path(item["file"])).mesh.scaled(np.asarray(item["scale"]))
     return mesh.transformed(np.asarray(item["matrix"]))
+
+
+def _simple(item: Mapping[str, Any]) -> Mesh:
+    """The polytope around a simple shape: what holds for it holds for the shape."""
+    from assetpipe.decomposition import Primitive
+
+    shape = Primitive(item["kind"], np.array(item["matrix"]), tuple(item["size"]))
+    return shape.polytope()
 
 
 def _solid(items: Sequence[Mapping[str, Any]], cavities: Any) -> Mesh:

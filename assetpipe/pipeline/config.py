@@ -18,6 +18,7 @@ from pydantic import (
     Field,
     PlainSerializer,
     ValidationError,
+    model_validator,
 )
 
 from assetpipe.decomposition.tolerance import Tolerance
@@ -31,6 +32,7 @@ Effort = Literal["fast", "balanced", "best"]
 Engine = Literal["assetpipe", "coacd", "vhacd", "hull"]
 Cavities = Literal["fill", "keep"]
 RepairMode = Literal["strict", "auto", "off"]
+Shapes = Literal["hulls", "primitives", "primitives_and_capsules"]
 Format = Literal["urdf"]
 Check = Literal["contact", "self_collision", "engine"]
 
@@ -191,6 +193,11 @@ class Config(_Frozen):
         max_hull_vertices: budget a hull.
         cavities: whether sealed voids count as solid.
         reach: metres; space that no ball of this radius can enter counts as solid.
+        shapes: ``primitives`` writes boxes, cylinders and spheres instead of hulls where they
+            are proved to stay within the tolerance; ``primitives_and_capsules`` capsules too,
+            which not every URDF reader knows.
+        overlap: metres by which neighbouring hulls overlap across their seams, as far as that
+            is proved.
         formats: robot descriptions to write.
         jobs: meshes worked on at once; ``None`` is one a core.
         repair: how broken meshes are made solids.
@@ -212,12 +219,22 @@ class Config(_Frozen):
     max_hull_vertices: int | None = Field(default=None, ge=4)
     cavities: Cavities = "fill"
     reach: Metres = 0.0
+    shapes: Shapes = "hulls"
+    overlap: Metres = 0.0
     formats: tuple[Format, ...] = Field(default=("urdf",), min_length=1)
     jobs: int | None = Field(default=None, ge=1, le=1024)
     repair: RepairSettings = RepairSettings()
     limits: Limits = Limits()
     validation: ValidationSettings = ValidationSettings()
     links: Mapping[str, LinkSettings] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _shapes_are_proved(self) -> Config:
+        if self.engine == "assetpipe" and self.metric != "thickening":
+            for name, asked in (("shapes", self.shapes != "hulls"), ("overlap", self.overlap > 0)):
+                if asked:
+                    raise ValueError(f"{name} needs metric thickening, not {self.metric}")
+        return self
 
     def with_changes(self, **changes: Any) -> Config:
         """A copy with some fields changed, checked like a new one."""

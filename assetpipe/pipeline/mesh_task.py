@@ -204,6 +204,8 @@ def _decompose(
             max_hulls=params["max_hulls"],
             max_hull_vertices=params["max_hull_vertices"],
             cavities="keep",  # repair has filled them, if that was asked
+            shapes=params["shapes"],
+            overlap=params["overlap"],
             reach=0.0,  # closed already, for the hulls and for what judges them
             on_progress=lambda done: reporter.stage("decompose", float(done)),
         )
@@ -223,6 +225,7 @@ def _decompose(
             (hull.certificate.concavity.lower, hull.certificate.concavity.upper)
             if hull.certificate.concavity
             else None,
+            hull.primitive,
         )
         for hull in result.hulls
     )
@@ -232,6 +235,10 @@ def _decompose(
     facts["certificate"] = result.certificate.as_dict()
     facts["coverage"] = result.coverage.as_dict()
     facts["hulls"] = len(hulls)
+    if params["shapes"] != "hulls":
+        facts["primitives"] = [h.primitive.as_dict() if h.primitive else None for h in hulls]
+    if result.seams is not None:
+        facts["seams"] = result.seams.as_dict()
     facts["hull_vertices"] = sum(len(h.mesh.vertices) for h in hulls)
     allowed = facts["tolerance"]
     bound = result.certificate.upper

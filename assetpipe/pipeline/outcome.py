@@ -16,11 +16,12 @@ from typing import Any, Literal
 import numpy as np
 
 from assetpipe.decomposition.certificate import Certificate, Interval
+from assetpipe.decomposition.primitives import Primitive
 from assetpipe.errors import InputError
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.mesh import Mesh
 
-MAGIC = b"assetpipe-outcome 1\n"
+MAGIC = b"assetpipe-outcome 2\n"
 
 
 @dataclass(frozen=True)
@@ -31,11 +32,13 @@ class HullOutcome:
         mesh: closed and convex, in the frame of the mesh file after ``<mesh scale>``, metres.
         thickening: certified ``(lower, upper)``, metres.
         concavity: certified ``(lower, upper)`` against the hull's part, metres, if it has one.
+        primitive: the simple shape that is written in its place; ``mesh`` is around it.
     """
 
     mesh: Mesh
     thickening: tuple[float, float]
     concavity: tuple[float, float] | None = None
+    primitive: Primitive | None = None
 
     @property
     def certificate(self) -> Certificate:
@@ -71,7 +74,12 @@ class MeshOutcome:
             "findings": [_finding_dict(f) for f in self.findings],
             "facts": self.facts,
             "hulls": [
-                {**_size(h.mesh), "thickening": h.thickening, "concavity": h.concavity}
+                {
+                    **_size(h.mesh),
+                    "thickening": h.thickening,
+                    "concavity": h.concavity,
+                    "primitive": h.primitive.as_dict() if h.primitive else None,
+                }
                 for h in self.hulls
             ],
             "solid": _size(self.solid) if self.solid is not None else None,
@@ -112,7 +120,8 @@ class MeshOutcome:
         for record in head["hulls"]:
             lower, upper = record["thickening"]
             concavity = tuple(record["concavity"]) if record["concavity"] else None
-            hulls.append(HullOutcome(mesh(record), (lower, upper), concavity))
+            primitive = Primitive.of(record["primitive"]) if record["primitive"] else None
+            hulls.append(HullOutcome(mesh(record), (lower, upper), concavity, primitive))
         return cls(
             head["state"],
             tuple(hulls),

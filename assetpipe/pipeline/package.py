@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 import assetpipe
+from assetpipe.decomposition.primitives import Primitive
 from assetpipe.findings import Finding
 from assetpipe.geometry.files import obj_text
 from assetpipe.geometry.mesh import FloatArray
@@ -22,12 +23,17 @@ from assetpipe.pipeline.plan import MeshJob
 from assetpipe.pipeline.reading import Read
 from assetpipe.pipeline.run import Done
 from assetpipe.robot import (
+    Box,
+    Capsule,
+    Cylinder,
     HullMesh,
     Link,
     MeshShape,
     NewCollision,
+    NewShape,
     OtherShape,
     Robot,
+    Sphere,
     write_urdf,
 )
 from assetpipe.robot.packaging import Copy, HullPlace, Layout, lay_out
@@ -190,7 +196,9 @@ def new_collisions(
             place = places[element.kind, element.link, element.index]
             made = tuple(
                 NewCollision(HullMesh(place.uri(index)), origin)
-                for index in range(len(start.outcomes[element.job].hulls))
+                if hull.primitive is None
+                else _simple(hull.primitive, element.link_from_shape)
+                for index, hull in enumerate(start.outcomes[element.job].hulls)
             )
         elif element.kind == "visual" and not isinstance(element.shape, MeshShape | OtherShape):
             made = (NewCollision(element.shape, origin),)
@@ -204,6 +212,21 @@ def new_collisions(
         for old in link.collisions:
             replacements[link.name, old.index] = ()
     return replacements, additions
+
+
+def _simple(shape: Primitive, link_from_hull: FloatArray) -> NewCollision:
+    """A simple shape where its hull would lie."""
+    made: NewShape
+    if shape.kind == "box":
+        x, y, z = shape.size
+        made = Box((x, y, z))
+    elif shape.kind == "sphere":
+        made = Sphere(shape.size[0])
+    elif shape.kind == "cylinder":
+        made = Cylinder(*shape.size)
+    else:
+        made = Capsule(*shape.size)
+    return NewCollision(made, link_from_hull @ shape.frame)
 
 
 def robot_links(start: Draft, names: Container[str]) -> list[Link]:
@@ -258,9 +281,10 @@ def _roots(robot: Robot, root: Path) -> tuple[Path, ...]:
 def _write_hull(stage: Stage, name: str, outcome: MeshOutcome, index: int) -> str:
     """Write one hull; its path in the stage."""
     hull = outcome.hulls[index]
+    around = f", around a {hull.primitive.kind}" if hull.primitive else ""
     comment = (
         f"assetpipe {assetpipe.__version__}: convex hull {index + 1} of {len(outcome.hulls)}, "
-        f"metres, thickening at most {hull.thickening[1]!r} m"
+        f"metres, thickening at most {hull.thickening[1]!r} m{around}"
     )
     stage.path(name).write_bytes(obj_text(hull.mesh, comment=comment))
     return name

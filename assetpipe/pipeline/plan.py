@@ -153,6 +153,8 @@ def _job(
             "max_hull_vertices": settings.max_hull_vertices or config.max_hull_vertices,
             "cavities": config.cavities,
             "reach": config.reach,
+            "shapes": config.shapes,
+            "overlap": config.overlap,
             "repair": config.repair.mode,
             "repair_budget": [
                 budget.value,

@@ -12,7 +12,7 @@ from assetpipe.errors import Location, UsageError
 from assetpipe.findings import Finding, Severity
 
 if TYPE_CHECKING:
-    from assetpipe.decomposition import Certificate
+    from assetpipe.decomposition import Certificate, Primitive
     from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
     from assetpipe.pipeline.outcome import MeshOutcome
     from assetpipe.pipeline.quick import Part
@@ -29,12 +29,14 @@ class WrittenHull:
         mesh: metres, in the frame of the collision element (scale applied).
         link_from_shape: (4, 4), the element's ``<origin>``.
         certificate: what is proved about it.
+        primitive: the simple shape that the URDF holds in its place; ``mesh`` is around it.
     """
 
     file: str
     mesh: Mesh
     link_from_shape: FloatArray
     certificate: Certificate
+    primitive: Primitive | None = None
 
     @property
     def vertices(self) -> FloatArray:
@@ -169,7 +171,8 @@ class LinkResult:
             outcome = self.load(element.mesh)
             matrix = locked(np.array(element.link_from_shape, dtype=np.float64))
             for file, hull in zip(element.files, outcome.hulls, strict=True):
-                found.append(WrittenHull(file, hull.mesh, matrix, hull.certificate))
+                written = WrittenHull(file, hull.mesh, matrix, hull.certificate, hull.primitive)
+                found.append(written)
         return tuple(found)
 
 

@@ -169,7 +169,7 @@ pub fn thickening_within<'py>(
     watch::run(py, on_progress, |control| {
         let cancelled = || control.is_cancelled();
         let limits = Limits {
-            cells: 3_000,
+            cells: 20_000,
             cancelled: &cancelled,
         };
         let index = SolidIndex::new(&solid);
@@ -206,6 +206,25 @@ pub fn unreachable<'py>(
     })?
     .map_err(|e| decompose_error(py, &e))?;
     Ok((arrays(py, &found.pockets), found.count, found.spacing))
+}
+
+/// A polytope with fewer vertices around the convex hull of points, at most `reach` beyond
+/// it: (vertices, faces).
+#[pyfunction]
+pub fn simplify_within<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    reach: f64,
+) -> PyResult<MeshTuple<'py>> {
+    let points = points(py, &vertices)?;
+    let hull = assetpipe_geometry::hull::convex_hull(&points)
+        .map_err(|e| mesh_error(py, &e.to_string()))?;
+    let made = std::panic::catch_unwind(|| assetpipe_geometry::hull::simplify_within(&hull, reach))
+        .map_err(|_| engine_error(py, "a hull could not be simplified; please report it"))?;
+    Ok(arrays(
+        py,
+        &made.map_err(|e| mesh_error(py, &e.to_string()))?,
+    ))
 }
 
 /// Convex hull of (n, 3) points: (vertices, faces).
