@@ -18,6 +18,7 @@ from assetpipe.pipeline.faults import outcome_of
 from assetpipe.pipeline.outcome import MeshOutcome
 
 PARAMS = {
+    "tolerance": [0.01, "relative"],
     "repair": "auto",
     "repair_budget": [0.01, "share"],
     "cavities": "fill",
