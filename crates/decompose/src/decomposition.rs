@@ -7,6 +7,7 @@ use glam::DMat3;
 use rayon::prelude::*;
 
 use crate::candidates::frame;
+use crate::canonical::ordered;
 use crate::close::close;
 use crate::concavity::{Gap, Interval, Limits};
 use crate::control::Control;
@@ -102,6 +103,7 @@ fn run(
     control: &Control,
 ) -> Result<Found, DecomposeError> {
     check(mesh, epsilon)?;
+    let mesh = &ordered(mesh);
     let hull = convex_hull(&mesh.vertices).map_err(flat)?;
     let own = volume(mesh);
     if own <= 1e-12 * volume(&hull) {

@@ -1,6 +1,7 @@
 //! Collision-aware approximate convex decomposition of solids.
 
 pub mod candidates;
+pub mod canonical;
 pub mod close;
 pub mod concavity;
 pub mod control;

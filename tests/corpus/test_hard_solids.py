@@ -1,0 +1,76 @@
+"""Every hard solid, as it is and changed, keeps every promise.
+
+Each row runs as it is and with two of the changes, which rotate over the rows;
+``benchmarks/hard_cases.py`` runs the full product.
+"""
+
+import guarantees
+import pytest
+from changes import CHANGES, SHAPE_KEEPING, permuted, plain
+from hard_solids import SOLIDS, Solid
+
+from assetpipe import decompose
+from assetpipe.decomposition import Decomposition
+from assetpipe.geometry import Mesh
+
+
+def of(row: Solid, mesh: Mesh) -> tuple[Mesh, Decomposition]:
+    """The solid that was decomposed, and the result."""
+    size = row.mesh.diagonal * (mesh.area / row.mesh.area) ** 0.5
+    d = decompose(mesh, row.tolerance * size, metric=row.metric, threads=1)
+    assert row.hulls[0] <= len(d.hulls) <= row.hulls[1]
+    if d.repair is None:
+        return mesh, d
+    assert d.repair.solid is not None
+    return d.repair.solid, d
+
+
+def promises(row: Solid, mesh: Mesh) -> None:
+    solid, d = of(row, mesh)
+    guarantees.check_hulls(solid, d)
+    guarantees.check_cover(solid, d)
+    guarantees.check_certificate(solid, d)
+    guarantees.check_levels(solid, d)
+
+
+def name(row: Solid) -> str:
+    return f"{row.family}: {row.name}"
+
+
+ROTATING = [
+    pytest.param(row, change, id=f"{name(row)}-{change.__name__}")
+    for k, row in enumerate(SOLIDS)
+    for change in (plain, CHANGES[1 + k % 7], CHANGES[1 + (k + 1 + k // 7) % 7])
+]
+
+
+@pytest.mark.parametrize(("row", "change"), ROTATING)
+def test_a_hard_solid_keeps_every_promise(row: Solid, change):
+    promises(row, change(row.mesh))
+
+
+@pytest.mark.parametrize("row", SOLIDS, ids=name)
+def test_parts_fill_the_solid_and_their_hulls_hold_them(row: Solid):
+    k = SOLIDS.index(row)
+    mesh = SHAPE_KEEPING[k % 4](row.mesh) if k % 2 else row.mesh
+    solid, d = of(row, mesh)
+    guarantees.check_parts(solid, d, guarantees.parts_of(solid, d.epsilon, row.metric))
+
+
+@pytest.mark.parametrize("row", SOLIDS[::3], ids=name)
+def test_orders_of_vertices_and_faces_change_no_bit(row: Solid):
+    first, second = (of(row, change(row.mesh))[1] for change in (plain, permuted))
+    assert len(first.nodes) == len(second.nodes)
+    for a, b in zip(first.nodes, second.nodes, strict=True):
+        assert a.hull.mesh.digest == b.hull.mesh.digest
+        assert a.hull.certificate == b.hull.certificate
+
+
+@pytest.mark.parametrize("row", SOLIDS[1::3], ids=name)
+@pytest.mark.parametrize("times", [2.0**-20, 2.0**10])
+def test_scales_by_powers_of_two_change_no_digit(row: Solid, times: float):
+    first = of(row, row.mesh)[1]
+    second = of(row, row.mesh.scaled(times))[1]
+    assert len(first.nodes) == len(second.nodes)
+    for a, b in zip(first.nodes, second.nodes, strict=True):
+        assert (a.hull.vertices * times == b.hull.vertices).all()
