@@ -61,10 +61,14 @@ class LinkBody:
         return centre, float(np.linalg.norm(self.vertices - centre, axis=1).max())
 
     @cached_property
-    def seeds(self) -> FloatArray:
-        """(k, 3) one vertex of every connected component: tells whether it lies inside."""
+    def witnesses(self) -> FloatArray:
+        """(k, 6, 3) six far vertices of every connected component.
+
+        Of surfaces that do not meet, a component lies inside another body wholly or not at
+        all: one vertex tells, and one outside the other's box tells that it does not.
+        """
         if self.kind == "hulls":
-            return np.array([m.vertices[m.faces[0, 0]] for m in self.shapes])
+            return np.array([_far(m.vertices[np.unique(m.faces)]) for m in self.shapes])
         from scipy.sparse import coo_matrix
         from scipy.sparse.csgraph import connected_components
 
@@ -75,33 +79,52 @@ class LinkBody:
         graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(merged),) * 2)
         _, label = connected_components(graph, directed=False)
         used = np.unique(f)
-        _, first = np.unique(label[used], return_index=True)
-        seeds: FloatArray = merged[used[first]]
-        return seeds
+        used = used[np.argsort(label[used], kind="stable")]
+        starts = np.flatnonzero(np.diff(label[used], prepend=-1))
+        return np.array([_far(merged[part]) for part in np.split(used, starts[1:])])
 
     @cached_property
     def _box(self) -> tuple[FloatArray, FloatArray]:
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     @cached_property
+    def _boxes(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper corners (h, 3) of every hull's box."""
+        return (
+            np.array([m.vertices.min(axis=0) for m in self.shapes]),
+            np.array([m.vertices.max(axis=0) for m in self.shapes]),
+        )
+
+    @cached_property
     def _planes(self) -> list[tuple[FloatArray, FloatArray]]:
         return [facet_planes(m) for m in self.shapes]
 
     def contains(self, points: FloatArray) -> bool:
-        """Whether any of the points (k, 3), link frame, lies inside the body."""
+        """Whether any of the components with these witnesses (k, 6, 3), link frame, of which
+        none crosses the body's surface, lies inside the body."""
         low, high = self._box
-        near = points[((points > low) & (points < high)).all(axis=1)]
+        near = points[((points > low) & (points < high)).all(axis=(1, 2)), 0]
         if not len(near):
             return False
         if self.kind == "hulls":
-            return any(
-                bool(((near @ normals.T - offsets).max(axis=1) < 0.0).any())
-                for normals, offsets in self._planes
-            )
+            lows, highs = self._boxes
+            inside = (near[:, None] > lows).all(axis=2) & (near[:, None] < highs).all(axis=2)
+            # Few points lie in the box of few hulls; only those ask the facets.
+            for hull in np.flatnonzero(inside.any(axis=0)):
+                normals, offsets = self._planes[hull]
+                heights = near[inside[:, hull]] @ normals.T - offsets
+                if bool((heights.max(axis=1) < 0.0).any()):
+                    return True
+            return False
         import igl
 
         number = igl.fast_winding_number(self.vertices, self.faces, np.ascontiguousarray(near))
         return bool((np.asarray(number) > 0.5).any())
+
+
+def _far(points: FloatArray) -> FloatArray:
+    """(6, 3) the points (n, 3) that lie farthest along each axis, both ways."""
+    return points[np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])]
 
 
 class PairQueries:
@@ -190,7 +213,7 @@ class PairQueries:
         return max(0.0, apart) / self._scale
 
     def _holds(self, outer: str, inner: str) -> bool:
-        seeds = self._bodies[inner].seeds
+        witnesses = self._bodies[inner].witnesses
         mine, other = self._placed[outer], self._placed[inner]
-        world = seeds @ other[:3, :3].T + other[:3, 3]
+        world = witnesses @ other[:3, :3].T + other[:3, 3]
         return self._bodies[outer].contains((world - mine[:3, 3]) @ mine[:3, :3])
