@@ -156,7 +156,7 @@ class ValidationSettings(_Frozen):
 
     checks: tuple[Check, ...] = ("contact", "self_collision", "engine")
     samples: int = Field(default=400, ge=1, le=1_000_000)
-    poses: int = Field(default=64, ge=0, le=1_000_000)
+    poses: int = Field(default=1000, ge=0, le=1_000_000)
     seed: int = Field(default=0, ge=0, lt=2**63)
 
 

@@ -34,6 +34,9 @@ def settle(request: dict[str, Any]) -> dict[str, Any]:
     b.setPhysicsEngineParameter(
         fixedTimeStep=request["step"], numSubSteps=0, deterministicOverlappingPairs=1
     )
+    for name in request["continuous"]:
+        # Lower above upper means free.
+        b.changeDynamics(body, robot.joint[name], jointLowerLimit=1.0, jointUpperLimit=-1.0)
     robot.hold(request["home"])
     for first, second in request["excluded"]:
         if first in robot.link and second in robot.link:
@@ -95,7 +98,6 @@ class _Robot:
     def box(self) -> tuple[float, float]:
         """Diagonal of the robot's box, and its lowest height, metres."""
         boxes = [self.b.getAABB(self.body, index) for index in self.link.values()]
-        boxes = [box for box in boxes if box[0] != box[1]]
         low = [min(box[0][axis] for box in boxes) for axis in range(3)]
         high = [max(box[1][axis] for box in boxes) for axis in range(3)]
         return math.dist(low, high), low[2]

@@ -101,7 +101,8 @@ def _box(mujoco: Any, model: Any, data: Any) -> tuple[float, float]:
     """Diagonal of the robot's box, and its lowest height, metres."""
     import numpy as np
 
-    points = []
+    # Links without a shape still have a place.
+    points = [data.xipos[1:]]
     for geom in range(model.ngeom):
         if int(model.geom_type[geom]) == int(mujoco.mjtGeom.mjGEOM_PLANE):
             continue

@@ -151,6 +151,7 @@ def settle_in_engine(
             "steps": round(seconds / step),
             "home": dict(home or {}),
             "excluded": [list(pair) for pair in excluded],
+            "continuous": _continuous(copy),
         }
         answer = run_worker(chosen, request, timeout=timeout)
     if answer.outcome != "answered":
@@ -175,3 +176,12 @@ def settle_in_engine(
         size=float(told["size"]),
         cpu_seconds=float(told["cpu_seconds"]),
     )
+
+
+def _continuous(urdf: Path) -> list[str]:
+    """Joints without limits; PyBullet gives them those of whatever joint it read before."""
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
+    joints = etree.parse(str(urdf), parser).getroot().iterchildren("joint")
+    return [j.get("name", "") for j in joints if j.get("type") == "continuous"]
