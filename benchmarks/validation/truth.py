@@ -26,7 +26,7 @@ CACHE = Path.home() / ".cache" / "assetpipe-benchmarks"
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     files = robot_files()
-    parser.add_argument("robots", nargs="*", default=list(files), choices=[*files, []])
+    parser.add_argument("robots", nargs="*", metavar="ROBOT", help=", ".join(files))
     parser.add_argument("--samples", type=int, default=1000, help="poses a mesh")
     parser.add_argument("--poses", type=int, default=1000, help="joint configurations")
     parser.add_argument("--built", type=Path, default=CACHE / "built")
@@ -36,7 +36,7 @@ def main() -> None:
           " error p50 / p95 / worst, of the certificate | configurations × pairs | new | vanished |"
           " s |\n|---|---|---|---|---|---|---|---|---|---|---|---|")  # fmt: skip
     every: list[dict[str, Any]] = []
-    for name in a.robots:
+    for name in a.robots or files:
         began = time.perf_counter()
         assetpipe.build(files[name], a.built / name, config=config)
         seconds = time.perf_counter() - began

@@ -118,11 +118,12 @@ class Variant:
 
 
 def variants(
-    path: Path, folder: Path, cache: Path, *, threshold: float, limit: float
+    path: Path, folder: Path, cache: Path, *, threshold: float, limit: float, most: int
 ) -> tuple[dict[str, Variant], list[str]]:
     """A robot with its original meshes and with every engine's hulls.
 
-    Meshes for which an engine failed or needed too long are left out of every variant.
+    Meshes for which an engine failed or needed too long, and those after the first ``most``,
+    are left out of every variant.
 
     Returns:
         Variants by name, and the names of links left out, with the reason.
@@ -136,7 +137,10 @@ def variants(
     }
     made: dict[str, dict[tuple[str, int], Hulls]] = {engine: {} for engine in ENGINES}
     left: list[str] = []
-    for key, (_, mesh) in list(meshes.items()):
+    for number, (key, (_, mesh)) in enumerate(list(meshes.items())):
+        if number >= most:
+            del meshes[key]
+            continue
         for engine in ENGINES:
             made[engine][key] = hulls_of(mesh, engine, threshold, cache, limit=limit)
             if not made[engine][key].hulls:

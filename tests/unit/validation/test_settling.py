@@ -96,3 +96,21 @@ def test_wrong_requests_are_refused(tmp_path):
         settle_in_engine(tmp_path / "none.urdf", base="fixed", step=9.0)
     with pytest.raises(UsageError, match=r"base 'fre' not found; did you mean 'free'"):
         settle_in_engine(tmp_path / "none.urdf", base="fre", step=0.01)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_joint_without_limits_is_held_where_it_is_put(tmp_path, engine):
+    # PyBullet's importer gives it the limits of the joint before: it would snap back.
+    turn = (
+        '<joint name="{child}" type="{kind}"><parent link="a"/><child link="{child}"/>'
+        '<axis xyz="0 0 1"/><limit lower="-0.1" upper="0" effort="50" velocity="1"/></joint>'
+    )
+    text = "".join(LINK.format(name=n, shape="") for n in "abc")
+    text += turn.format(child="b", kind="revolute")
+    text += turn.format(child="c", kind="continuous").replace('lower="-0.1" upper="0"', "")
+    urdf = tmp_path / "turns.urdf"
+    urdf.write_text(f'<robot name="r">{text}</robot>', encoding="utf-8")
+    found = settle_in_engine(
+        urdf, base="fixed", step=1 / 240, seconds=1.0, engine=engine, home={"c": 0.5}
+    )
+    assert found.sag == pytest.approx(0.0, abs=1e-6)
