@@ -9,7 +9,8 @@ whole robot at home, places even in its bounding box grown by half (FCL; the ori
 triangle meshes, hulls as convex shapes behind a broad phase). Steps: PyBullet, 1/240 s, the
 robot on its base with self-collision under 27 falling balls; the original as PyBullet takes
 it, one hull an STL or OBJ object. CPU time on one core: compare within one run only.
-``kuka_iiwa:3`` takes the first three meshes only: CoACD needs a minute each. V-HACD knows no tolerance: its defaults are used (at most 64 hulls a mesh).
+``kuka_iiwa:3`` takes the first three meshes only: CoACD needs a minute each. V-HACD knows no
+tolerance: its defaults are used (at most 64 hulls a mesh).
 """
 
 from __future__ import annotations

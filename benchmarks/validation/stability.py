@@ -5,9 +5,9 @@
 Every robot, as it came and as built, is held for 5 simulated seconds: on a fixed base with
 every joint 0.3 rad from home, so that gravity pulls, and at home free on a floor; at time
 steps from 1/60 to 1/2000 s (see ``assetpipe.validation.dynamics.settle``). Pairs of links that
-are adjacent, or that touch in the original as posed, are left out, as an SRDF does. Prints a row a robot, base, engine and
-geometry (worst over the steps), then the table of drift and energy against the time step.
-Robots are built once into ``--built`` with the default configuration.
+are adjacent, or that touch in the original as posed, are left out, as an SRDF does. Prints a row
+a robot, base, engine and geometry (worst over the steps), then the table of drift and energy
+against the time step. Robots are built once into ``--built`` with the default configuration.
 """
 
 from __future__ import annotations

@@ -84,8 +84,14 @@ class LinkBody:
         return np.array([_far(merged[part]) for part in np.split(used, starts[1:])])
 
     @cached_property
-    def _box(self) -> tuple[FloatArray, FloatArray]:
+    def _bounds(self) -> tuple[FloatArray, FloatArray]:
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    @cached_property
+    def box(self) -> tuple[FloatArray, FloatArray]:
+        """Centre (3,) and half extents (3,) of the body's box, link frame."""
+        low, high = self._bounds
+        return (low + high) / 2.0, (high - low) / 2.0
 
     @cached_property
     def _boxes(self) -> tuple[FloatArray, FloatArray]:
@@ -102,13 +108,14 @@ class LinkBody:
     def contains(self, points: FloatArray) -> bool:
         """Whether any of the components with these witnesses (k, 6, 3), link frame, of which
         none crosses the body's surface, lies inside the body."""
-        low, high = self._box
+        low, high = self._bounds
         near = points[((points > low) & (points < high)).all(axis=(1, 2)), 0]
         if not len(near):
             return False
         if self.kind == "hulls":
             lows, highs = self._boxes
-            inside = (near[:, None] > lows).all(axis=2) & (near[:, None] < highs).all(axis=2)
+            above, below = near[:, None, :] > lows, near[:, None, :] < highs
+            inside = np.logical_and.reduce(above & below, axis=2)
             # Few points lie in the box of few hulls; only those ask the facets.
             for hull in np.flatnonzero(inside.any(axis=0)):
                 normals, offsets = self._planes[hull]
@@ -124,7 +131,8 @@ class LinkBody:
 
 def _far(points: FloatArray) -> FloatArray:
     """(6, 3) the points (n, 3) that lie farthest along each axis, both ways."""
-    return points[np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])]
+    found: FloatArray = points[np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])]
+    return found
 
 
 class PairQueries:
@@ -157,11 +165,13 @@ class PairQueries:
         for name in self._bodies:
             if name not in world_from_link:
                 raise UsageError(unknown_name("link", name, world_from_link))
-            matrix = np.asarray(world_from_link[name], dtype=np.float64)
-            turn, at = matrix[:3, :3], matrix[:3, 3]
-            self._stale.add(name)
-            self._placed[name] = matrix
-            self._centres[name] = (turn @ self._balls[name][0] + at).tolist()
+            self._put(name, np.asarray(world_from_link[name], dtype=np.float64))
+
+    def _put(self, name: str, matrix: FloatArray) -> None:
+        turn, at = matrix[:3, :3], matrix[:3, 3]
+        self._stale.add(name)
+        self._placed[name] = matrix
+        self._centres[name] = (turn @ self._balls[name][0] + at).tolist()
 
     def _object(self, name: str) -> Any:
         """The link for FCL where it is now; trees are built once somebody asks."""
@@ -194,6 +204,55 @@ class PairQueries:
         a, b = pair
         fcl.collide(self._object(a), self._object(b), fcl.CollisionRequest(), result)
         return bool(result.is_collision) or self._holds(a, b) or self._holds(b, a)
+
+    def touching(
+        self, pairs: Sequence[Pair], world_from_link: Mapping[str, FloatArray]
+    ) -> dict[Pair, npt.NDArray[np.bool_]]:
+        """Whether pairs touch, in many configurations at once: bounding balls sort out most.
+
+        Args:
+            pairs: of links.
+            world_from_link: matrices (n, 4, 4) by link, metres.
+
+        Returns:
+            (n,) answers by pair; a pair of which one has no geometry touches nowhere.
+        """
+        count = len(next(iter(world_from_link.values())))
+        centres = {
+            name: world_from_link[name][:, :3, :3] @ centre + world_from_link[name][:, :3, 3]
+            for name, (centre, _) in self._balls.items()
+        }
+        answers = {pair: np.zeros(count, dtype=bool) for pair in pairs}
+        for pair, answer in answers.items():
+            if any(name not in self._balls for name in pair):
+                continue
+            a, b = pair
+            reach = self._balls[a][1] + self._balls[b][1]
+            near = np.flatnonzero(np.linalg.norm(centres[a] - centres[b], axis=1) <= reach)
+            placed = world_from_link[a][near], world_from_link[b][near]
+            for index in near[self._boxes_meet(pair, *placed)]:
+                for name in pair:
+                    self._put(name, world_from_link[name][index])
+                answer[index] = self.touch(pair)
+        return answers
+
+    def _boxes_meet(
+        self, pair: Pair, first: FloatArray, second: FloatArray
+    ) -> npt.NDArray[np.bool_]:
+        """Whether no face of either link's box separates the boxes; (n, 4, 4) each."""
+        meet = np.ones(len(first), dtype=bool)
+        for name, other, mine, theirs in (
+            (pair[0], pair[1], first, second),
+            (pair[1], pair[0], second, first),
+        ):
+            (centre, half), (away, size) = (self._bodies[n].box for n in (name, other))
+            back = np.swapaxes(mine[:, :3, :3], 1, 2)
+            turn = back @ theirs[:, :3, :3]
+            shift = (back @ (theirs[:, :3, 3] - mine[:, :3, 3])[:, :, None])[:, :, 0]
+            between = np.abs(turn @ away + shift - centre)
+            # Rounding must not separate what touches.
+            meet &= (between <= (half + np.abs(turn) @ size) * (1.0 + 1e-9) + 1e-12).all(axis=1)
+        return meet
 
     def gap(self, pair: Pair) -> float:
         """Separation of the two solids, metres; 0 where they touch."""

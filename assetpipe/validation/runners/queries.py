@@ -79,22 +79,23 @@ def _self_collision(
     drawn = asset.configurations(
         sampling.configurations if sampling else 0, sampling.seed if sampling else 0
     )
-    counts: dict[str, int] = {}
-    colliding, at_start = 0, []
-    for index, positions in enumerate(drawn):
-        world.place({asset.name: positions})
-        touching = [f"{a[1]} - {b[1]}" for a, b in plan.pairs if world.touch(a, b)]
-        for name in touching:
-            counts[name] = counts.get(name, 0) + 1
-        colliding += bool(touching)
-        if index == 0:
-            at_start = touching
-    share = colliding / len(drawn)
+    frames = {key((asset.name, n)): m for n, m in asset.frames_of(drawn).items()}
+    answers = {
+        f"{a[1]} - {b[1]}": found for (a, b), found in world.touching(plan.pairs, frames).items()
+    }
+    colliding = np.zeros(len(drawn), dtype=bool)
+    for found in answers.values():
+        colliding |= found
+    at_start = [name for name, found in answers.items() if found[0]]
     return Measured(
         bool(at_start),
-        share,
+        float(colliding.mean()),
         "share of configurations",
-        {"configurations": len(drawn), "at_start": at_start, "pairs": dict(sorted(counts.items()))},
+        {
+            "configurations": len(drawn),
+            "at_start": at_start,
+            "pairs": {n: int(f.sum()) for n, f in sorted(answers.items()) if f.any()},
+        },
     )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
 import numpy.typing as npt
 
 from assetpipe.geometry.mesh import FloatArray
@@ -50,6 +51,14 @@ class QueryWorld:
     def place_links(self, frames: Mapping[str, FloatArray]) -> None:
         """Move everything; world-from-link matrices (4, 4) by :func:`key`."""
         self._queries.place(frames)
+
+    def touching(
+        self, pairs: Sequence[tuple[Ref, Ref]], frames: Mapping[str, FloatArray]
+    ) -> dict[tuple[Ref, Ref], npt.NDArray[np.bool_]]:
+        """Whether pairs touch: (n,) answers for world-from-link matrices (n, 4, 4) by
+        :func:`key`."""
+        found = self._queries.touching([_pair(a, b) for a, b in pairs], frames)
+        return {(a, b): found[_pair(a, b)] for a, b in pairs}
 
     def touch(self, a: Ref, b: Ref) -> bool:
         """Whether two links have a point in common."""

@@ -141,11 +141,27 @@ class SceneJoint:
             motion[:3, :3] = _about(self.axis, position)
         return self.parent_from_joint @ motion
 
+    def moved_to(self, positions: FloatArray) -> FloatArray:
+        """(n, 4, 4) parent from child at positions (n,)."""
+        motion = np.broadcast_to(np.eye(4), (len(positions), 4, 4)).copy()
+        if self.kind == "prismatic":
+            motion[:, :3, 3] = positions[:, None] * self.axis
+        elif self.kind != "fixed":
+            cross = _cross(self.axis)
+            sine, versine = np.sin(positions), 1.0 - np.cos(positions)
+            motion[:, :3, :3] += sine[:, None, None] * cross
+            motion[:, :3, :3] += versine[:, None, None] * (cross @ cross)
+        return np.asarray(self.parent_from_joint @ motion)
+
+
+def _cross(axis: FloatArray) -> FloatArray:
+    x, y, z = axis
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
 
 def _about(axis: FloatArray, angle: float) -> FloatArray:
     """Rodrigues' rotation matrix."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    cross = _cross(axis)
     turn: FloatArray = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
     return turn
 
@@ -270,6 +286,16 @@ class SceneAsset:
         frames = {self.links[0].name: np.asarray(base, dtype=np.float64)}
         for joint in self.joints:
             frames[joint.child] = frames[joint.parent] @ joint.moved(values[joint.name])
+        return frames
+
+    def frames_of(self, configurations: Sequence[Mapping[str, float]]) -> dict[str, FloatArray]:
+        """World-from-link matrices (n, 4, 4) of all links in many configurations."""
+        values = [self.positions(given) for given in configurations]
+        base = np.broadcast_to(self.world_from_base, (len(values), 4, 4))
+        frames = {self.links[0].name: base}
+        for joint in self.joints:
+            at = np.array([v[joint.name] for v in values])
+            frames[joint.child] = frames[joint.parent] @ joint.moved_to(at)
         return frames
 
     def configurations(self, count: int, seed: int) -> list[dict[str, float]]:

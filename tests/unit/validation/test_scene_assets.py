@@ -225,3 +225,20 @@ def test_a_part_without_collision_geometry_is_no_part_of_a_contact(tmp_path):
     )
     with pytest.raises(ConfigError, match=r"'r/frame' has no collision geometry.*box/body"):
         plan(scene, build_assets(scene))
+
+
+def test_many_configurations_at_once_are_where_each_is_alone():
+    scene = parse_scene(
+        {
+            "title": "t",
+            "question": "self_collision",
+            "subject": "arm",
+            "assets": {"arm": {**ARM, "pose": {"xyz": [1, 2, 3], "rpy": [0.1, 0.2, 0.3]}}},
+        }
+    )
+    arm = build_assets(scene, provider=WholeHulls())["arm"]
+    drawn = arm.configurations(20, seed=4)
+    together = arm.frames_of(drawn)
+    for index, positions in enumerate(drawn):
+        for link, matrix in arm.frames(positions).items():
+            np.testing.assert_allclose(together[link][index], matrix, atol=1e-12)

@@ -4,6 +4,8 @@ import trimesh
 
 from assetpipe.errors import UsageError
 from assetpipe.geometry.mesh import Mesh
+from assetpipe.validation.contact.pairs import PairQueries
+from assetpipe.validation.contact.probes import random_rotations
 from assetpipe.validation.self_collision import LinkBody, adjacent_pairs, self_collisions
 
 
@@ -128,3 +130,30 @@ def test_wrong_calls():
         self_collisions(bodies, bodies, [])
     with pytest.raises(UsageError, match="'b' not found"):
         self_collisions(bodies, bodies, [{"a": at(0)}])
+
+
+def test_many_configurations_at_once_touch_where_each_does_alone():
+    rng = np.random.default_rng(11)
+    bodies = [
+        LinkBody("ring", (Mesh.of(trimesh.creation.annulus(0.3, 0.4, 0.2)),)),
+        LinkBody("bar", (Mesh.of(trimesh.creation.box((0.05, 0.05, 0.9))),)),
+        LinkBody("dot", (Mesh.of(trimesh.creation.icosphere(1, 0.02)),)),
+        LinkBody("far", (Mesh.of(trimesh.creation.box((0.1, 0.1, 0.1))),)),
+    ]
+    count = 300
+    frames = {}
+    for body in bodies:
+        matrices = np.broadcast_to(np.eye(4), (count, 4, 4)).copy()
+        matrices[:, :3, :3] = random_rotations(count, rng)
+        matrices[:, :3, 3] = rng.uniform(-0.4, 0.4, (count, 3)) + (9.0 * (body.link == "far"))
+        frames[body.link] = matrices
+    queries = PairQueries(bodies)
+    pairs = [("bar", "ring"), ("dot", "ring"), ("bar", "dot"), ("dot", "far")]
+    together = queries.touching(pairs, frames)
+    for index in range(count):
+        queries.place({link: matrices[index] for link, matrices in frames.items()})
+        for pair in pairs:
+            assert bool(together[pair][index]) == queries.touch(pair)
+    shares = [float(together[pair].mean()) for pair in pairs]
+    assert shares[3] == 0.0
+    assert all(0.01 < share < 0.9 for share in shares[:3])
