@@ -34,9 +34,6 @@ def settle(request: dict[str, Any]) -> dict[str, Any]:
     b.setPhysicsEngineParameter(
         fixedTimeStep=request["step"], numSubSteps=0, deterministicOverlappingPairs=1
     )
-    for name in request["continuous"]:
-        # Lower above upper means free.
-        b.changeDynamics(body, robot.joint[name], jointLowerLimit=1.0, jointUpperLimit=-1.0)
     robot.hold(request["home"])
     for first, second in request["excluded"]:
         if first in robot.link and second in robot.link:

@@ -139,6 +139,7 @@ def settle_in_engine(
     with tempfile.TemporaryDirectory(prefix="assetpipe-urdf-") as folder:
         copy = Path(folder, "robot.urdf")
         rewrite(urdf, copy, resolved or {}, "removed")
+        _free_continuous(copy)
         if chosen == "mujoco":
             from assetpipe.validation.dynamics.mujoco_worker import prepare
 
@@ -151,7 +152,6 @@ def settle_in_engine(
             "steps": round(seconds / step),
             "home": dict(home or {}),
             "excluded": [list(pair) for pair in excluded],
-            "continuous": _continuous(copy),
         }
         answer = run_worker(chosen, request, timeout=timeout)
     if answer.outcome != "answered":
@@ -178,10 +178,16 @@ def settle_in_engine(
     )
 
 
-def _continuous(urdf: Path) -> list[str]:
-    """Joints without limits; PyBullet gives them those of whatever joint it read before."""
+def _free_continuous(urdf: Path) -> None:
+    """Take limits off joints that have none by their type, in place: URDF gives them no
+    meaning there, PyBullet keeps the joint within them."""
     from lxml import etree
 
     parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
-    joints = etree.parse(str(urdf), parser).getroot().iterchildren("joint")
-    return [j.get("name", "") for j in joints if j.get("type") == "continuous"]
+    tree = etree.parse(str(urdf), parser)
+    for joint in tree.getroot().iterchildren("joint"):
+        if joint.get("type") == "continuous":
+            for limit in joint.iterchildren("limit"):
+                for key in ("lower", "upper"):
+                    limit.attrib.pop(key, None)
+    tree.write(str(urdf), encoding="utf-8", xml_declaration=True)

@@ -137,7 +137,7 @@ def test_many_configurations_at_once_touch_where_each_does_alone():
     bodies = [
         LinkBody("ring", (Mesh.of(trimesh.creation.annulus(0.3, 0.4, 0.2)),)),
         LinkBody("bar", (Mesh.of(trimesh.creation.box((0.05, 0.05, 0.9))),)),
-        LinkBody("dot", (Mesh.of(trimesh.creation.icosphere(1, 0.02)),)),
+        LinkBody("dot", (Mesh.of(trimesh.creation.icosphere(1, 0.08)),)),
         LinkBody("far", (Mesh.of(trimesh.creation.box((0.1, 0.1, 0.1))),)),
     ]
     count = 300
@@ -145,7 +145,7 @@ def test_many_configurations_at_once_touch_where_each_does_alone():
     for body in bodies:
         matrices = np.broadcast_to(np.eye(4), (count, 4, 4)).copy()
         matrices[:, :3, :3] = random_rotations(count, rng)
-        matrices[:, :3, 3] = rng.uniform(-0.4, 0.4, (count, 3)) + (9.0 * (body.link == "far"))
+        matrices[:, :3, 3] = rng.uniform(-0.3, 0.3, (count, 3)) + (9.0 * (body.link == "far"))
         frames[body.link] = matrices
     queries = PairQueries(bodies)
     pairs = [("bar", "ring"), ("dot", "ring"), ("bar", "dot"), ("dot", "far")]
