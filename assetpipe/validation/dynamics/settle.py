@@ -189,5 +189,5 @@ def _free_continuous(urdf: Path) -> None:
         if joint.get("type") == "continuous":
             for limit in joint.iterchildren("limit"):
                 for key in ("lower", "upper"):
-                    limit.attrib.pop(key, None)
+                    limit.attrib.pop(key, "")
     tree.write(str(urdf), encoding="utf-8", xml_declaration=True)
