@@ -83,6 +83,12 @@ class LinkBody:
         starts = np.flatnonzero(np.diff(label[used], prepend=-1))
         return np.array([_far(merged[part]) for part in np.split(used, starts[1:])])
 
+    @property
+    def seeds(self) -> FloatArray:
+        """(k, 3) one vertex of every connected component: tells whether it lies inside."""
+        seeds: FloatArray = self.witnesses[:, 0]
+        return seeds
+
     @cached_property
     def _bounds(self) -> tuple[FloatArray, FloatArray]:
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
