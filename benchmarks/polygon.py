@@ -40,6 +40,20 @@ def maze(teeth: int = 160) -> np.ndarray:
     return np.c_[radius * np.cos(angle), radius * np.sin(angle)]
 
 
+def wrinkled_maze(teeth: int = 32, factor: int = 5, wrinkle: float = 0.004) -> np.ndarray:
+    """The same with a fifth of the walls, each edge wrinkled: as many vertices and notches,
+    but most notches are shallow, as those of the paper's models are."""
+    ring = maze(teeth)
+    rng = np.random.default_rng(7)
+    ends = np.roll(ring, -1, axis=0)
+    share = np.arange(factor)[:, None, None] / factor
+    dense = (ring * (1 - share) + ends * share).transpose(1, 0, 2)
+    length = np.linalg.norm(ends - ring, axis=1)[:, None, None]
+    noise = rng.normal(size=dense.shape) * wrinkle * length
+    noise[:, 0] = 0.0
+    return (dense + noise).reshape(-1, 2)
+
+
 def creature(limbs: int, vertices: int, seed: int) -> np.ndarray:
     """A body with bent limbs whose skin is wrinkled: about half its vertices are notches.
 
@@ -105,6 +119,7 @@ def refined(ring: np.ndarray, factor: int = 8, seed: int = 7) -> np.ndarray:
 def models() -> dict[str, np.ndarray]:
     found = {
         "maze": maze(),
+        "wrinkled maze": wrinkled_maze(),
         "creature A": creature(7, 1204, 3),
         "creature B": creature(9, 1037, 11),
     }

@@ -118,7 +118,7 @@ class Decomposition:
     def inner(self) -> tuple[InnerHull, ...]:
         """Convex polytopes inside the solid, largest first: computed when first asked for.
 
-        They come as near to the surface as a quarter of ``epsilon`` where that is found;
+        They come as near to the surface as half of ``epsilon`` where that is found;
         see :func:`assetpipe.decomposition.inner_hulls`.
 
         Raises:
@@ -126,7 +126,7 @@ class Decomposition:
         """
         if self.solid is None:
             raise UsageError("inner hulls need the solid, which this decomposition has not kept")
-        return inner_hulls(self.solid, 0.25 * self.epsilon)
+        return inner_hulls(self.solid, 0.5 * self.epsilon)
 
     @cached_property
     def certificate(self) -> Certificate:

@@ -6,15 +6,24 @@ from assetpipe.polygon.decomposition import (
     PolygonDecomposition,
     decompose,
 )
-from assetpipe.polygon.inclusion import Method, largest_convex_subset
+from assetpipe.polygon.inclusion import (
+    ConvexSubset,
+    Method,
+    Search,
+    convex_subset,
+    largest_convex_subset,
+)
 from assetpipe.polygon.outline import Outline
 
 __all__ = [
     "Concavity",
+    "ConvexSubset",
     "HoleAxis",
     "Method",
     "Outline",
     "PolygonDecomposition",
+    "Search",
+    "convex_subset",
     "decompose",
     "largest_convex_subset",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
 
 Method: TypeAlias = Literal["kernel", "discrete", "hv"]
 """Kernel dilatation (§5), shrinking of pixel shapes (§2), h-v convexity (§3)."""
+
+Search: TypeAlias = Literal["heuristic", "complete", "stopped"]
+"""How far a result is known to be the best: not at all; the best of its method, all choices
+having been looked at; or the best of those looked at when the steps ran out."""
 
 _RESOLUTION: dict[str, int] = {"discrete": 192, "hv": 40}
 _FINEST = 1536
@@ -52,7 +57,40 @@ def largest_convex_subset(
             (default 192 and 40); doubled where the outline is too thin for it.
 
     Returns:
-        A polygon that the outline contains, by shapely's exact predicate.
+        A polygon that the outline contains, by shapely's exact predicate;
+        :func:`convex_subset` says as well how good it is known to be.
+
+    Raises:
+        InputError: the outline is no polygon or too thin for the finest pixels.
+        UsageError: an unknown method, or shapely is missing.
+    """
+    return convex_subset(outline, method, resolution=resolution).polygon
+
+
+@dataclass(frozen=True)
+class ConvexSubset:
+    """A large convex set inside an outline.
+
+    Attributes:
+        polygon: what :func:`largest_convex_subset` returns.
+        search: ``"heuristic"`` for ``kernel`` and ``discrete``, of which nothing is known;
+            for ``hv``, at its resolution, ``"complete"`` if the backtracking of §3 ended, so
+            that no union of its regions is larger, and ``"stopped"`` if its steps ran out.
+    """
+
+    polygon: shapely.Polygon
+    search: Search
+
+
+def convex_subset(
+    outline: Outline, method: Method = "kernel", *, resolution: int | None = None
+) -> ConvexSubset:
+    """As :func:`largest_convex_subset`, with how far the result is known to be the best.
+
+    Args:
+        outline: a polygon, with or without holes.
+        method: ``"kernel"``, ``"discrete"`` or ``"hv"``.
+        resolution: pixels along the longest side, for the two pixel methods.
 
     Raises:
         InputError: the outline is no polygon or too thin for the finest pixels.
@@ -65,7 +103,7 @@ def largest_convex_subset(
     region = even_odd(rings)
     if method == "kernel":
         ring, _ = _core.convex_subset_polygon(rings)
-        return _settled(region, ring)
+        return ConvexSubset(_settled(region, ring), "heuristic")
     pixels = resolution or _RESOLUTION[method]
     if pixels < 2:
         raise UsageError(f"resolution must be at least 2, got {pixels}")
@@ -101,7 +139,7 @@ def _grid(region: Any, pixels: int) -> tuple[NDArray[np.float64], NDArray[np.flo
     return x0 + (columns + 0.5) * side, y0 + (rows + 0.5) * side, side
 
 
-def _discrete(region: Any, pixels: int) -> Any:
+def _discrete(region: Any, pixels: int) -> ConvexSubset | None:
     shapely = load_shapely()
     x, y, _ = _grid(region, pixels)
     grid_x, grid_y = np.meshgrid(x, y)
@@ -114,17 +152,18 @@ def _discrete(region: Any, pixels: int) -> Any:
     if hull.geom_type != "Polygon":
         return None
     if region.contains(hull):
-        return hull
+        return ConvexSubset(hull, "heuristic")
     # between the centres the outline may dip into the hull by less than a pixel
     common = region.intersection(hull)
     pieces = [g for g in getattr(common, "geoms", [common]) if g.geom_type == "Polygon"]
     if not pieces:
         return None
     found = largest_convex_subset(max(pieces, key=lambda piece: piece.area))
-    return _settled(region, np.array(found.exterior.coords[:-1]))
+    inner = _settled(region, np.array(found.exterior.coords[:-1]))
+    return ConvexSubset(inner, "heuristic")
 
 
-def _hv(region: Any, pixels: int) -> Any:
+def _hv(region: Any, pixels: int) -> ConvexSubset | None:
     shapely = load_shapely()
     x, y, side = _grid(region, pixels)
     # edges are shared to the bit between neighbours, so that the union has no cracks
@@ -136,5 +175,5 @@ def _hv(region: Any, pixels: int) -> Any:
     inside = np.ascontiguousarray(shapely.contains(region, cells), dtype=bool)
     if not inside.any():
         return None
-    found, _, _ = _core.hv_convex_pixels(inside, _HV_STEPS)
-    return shapely.union_all(cells[found])
+    found, _, optimal = _core.hv_convex_pixels(inside, _HV_STEPS)
+    return ConvexSubset(shapely.union_all(cells[found]), "complete" if optimal else "stopped")

@@ -18,6 +18,7 @@ use crate::finish::Finish;
 use crate::hierarchy::{build, Node};
 use crate::judge::Judge;
 use crate::merge::{volume, Proved};
+use crate::prismatic;
 use crate::settings::{FrameChoice, SearchSettings};
 use crate::slivers::cleared;
 use crate::working::Working;
@@ -210,7 +211,8 @@ fn concave(
     Ok((Decomposition { hulls, leaves }, Some((working, cover))))
 }
 
-/// The cover with the fewest hulls of all variants, of these the tightest.
+/// The cover with the fewest hulls of all variants and of the outline, if the solid is
+/// one extruded; of these the tightest.
 fn fewest(
     copy: &Mesh,
     judge: &Judge<'_>,
@@ -221,6 +223,10 @@ fn fewest(
         .into_par_iter()
         .map(|k| decompose_working(copy, judge, &settings.variant(k), control))
         .collect::<Result<_, _>>()?;
+    let covers: Vec<Cover> = covers
+        .into_iter()
+        .chain(prismatic::cover(copy, judge, settings))
+        .collect();
     let size = |cover: &Cover| cover.hulls.iter().map(|h| volume(&h.hull)).sum::<f64>();
     covers
         .into_iter()

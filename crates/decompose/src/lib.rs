@@ -16,6 +16,7 @@ pub mod inner;
 pub mod judge;
 pub mod merge;
 pub mod part;
+pub mod prismatic;
 pub mod progress;
 pub mod proxy;
 pub mod reach;

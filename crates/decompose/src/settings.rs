@@ -60,6 +60,15 @@ pub enum FrameChoice {
     Principal,
 }
 
+/// How extruded outlines are decomposed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prisms {
+    /// Like every other solid.
+    Search,
+    /// In the plane as well, if that gives fewer hulls.
+    Plane,
+}
+
 /// Parameters of the search. Lengths are in units of ε unless said otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchSettings {
@@ -122,6 +131,8 @@ pub struct SearchSettings {
     pub most_vertices: usize,
     /// Whether hulls are merged at the end.
     pub merging: bool,
+    /// Where extruded outlines are decomposed.
+    pub prisms: Prisms,
     /// Which merges come first.
     pub merge_order: MergeOrder,
     /// How many searches are run, each a variation of these settings; the one
@@ -161,6 +172,7 @@ impl Default for SearchSettings {
             cells: 1000,
             most_vertices: 0,
             merging: true,
+            prisms: Prisms::Plane,
             merge_order: MergeOrder::Relative,
             variants: 1,
         }
@@ -272,6 +284,14 @@ impl SearchSettings {
                     _ => None,
                 };
                 self.merging = choice(name, value, known, "on, off")?;
+            }
+            "prisms" => {
+                let known = match value {
+                    "plane" => Some(Prisms::Plane),
+                    "search" => Some(Prisms::Search),
+                    _ => None,
+                };
+                self.prisms = choice(name, value, known, "plane, search")?;
             }
             "ladder" => {
                 self.ladder = value

@@ -221,3 +221,14 @@ def test_refusals():
         polygon.largest_convex_subset(RECTANGLE_AND_ARM, "kernal")
     with pytest.raises(InputError, match="crosses"):
         polygon.largest_convex_subset([(0, 0), (2, 2), (2, 0), (0, 2)])
+
+
+def test_the_search_says_how_far_it_came(monkeypatch):
+    cross = shapely.box(0, 1, 3, 2).union(shapely.box(1, 0, 2, 3))
+    for method in ("kernel", "discrete"):
+        assert polygon.convex_subset(cross, method).search == "heuristic"
+    found = polygon.convex_subset(cross, "hv", resolution=12)
+    assert found.search == "complete"
+    assert found.polygon.equals(polygon.largest_convex_subset(cross, "hv", resolution=12))
+    monkeypatch.setattr("assetpipe.polygon.inclusion._HV_STEPS", 1)
+    assert polygon.convex_subset(RECTANGLE_AND_ARM, "hv", resolution=40).search == "stopped"
