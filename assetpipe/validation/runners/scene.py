@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
-from assetpipe.errors import Location
+from assetpipe.errors import ConfigError, Location
 from assetpipe.findings import Finding, Severity
 from assetpipe.validation.dynamics.process import default_engine
 from assetpipe.validation.effects import EFFECTS, Plan, plan
@@ -170,8 +171,9 @@ def explain_scene(
     """
     chosen = options or SceneOptions()
     scene, path = load_scene(name)
-    assets = build_assets(scene, path, provider=provider)
-    return plan(scene, assets, effects=chosen.effects, engine=_engine(chosen))
+    with _located(path):
+        assets = build_assets(scene, path, provider=provider)
+        return plan(scene, assets, effects=chosen.effects, engine=_engine(chosen))
 
 
 def run_scene(
@@ -187,11 +189,23 @@ def run_scene(
         InputError: a file of its assets cannot be read.
     """
     scene, path = load_scene(name)
-    started = time.process_time()
-    assets = build_assets(scene, path, provider=provider)
-    made = time.process_time() - started
-    result = answer_scene(scene, assets, options=options, name=path.stem)
+    with _located(path):
+        started = time.process_time()
+        assets = build_assets(scene, path, provider=provider)
+        made = time.process_time() - started
+        result = answer_scene(scene, assets, options=options, name=path.stem)
     return replace(result, asset_seconds=made, file=path)
+
+
+@contextmanager
+def _located(path: Path) -> Iterator[None]:
+    """Errors about a scene's words say in which file they stand."""
+    try:
+        yield
+    except ConfigError as error:
+        if error.location is not None:
+            raise
+        raise ConfigError(error.message, location=Location(path)) from error
 
 
 def answer_scene(

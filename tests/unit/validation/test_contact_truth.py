@@ -163,3 +163,16 @@ def test_wrong_calls():
         contact_truth(solid, parts, 0.0, samples=0)
     with pytest.raises(MeshError, match="no hulls"):
         contact_truth(solid, [], 0.0)
+
+
+def test_depth_is_asked_of_hulls_alone_so_an_open_solid_does_not_spoil_it():
+    # FCL's depth between meshes, and of anything with an open one, means nothing.
+    solid, _ = channel()
+    hull = shape(solid.to_trimesh().convex_hull)
+    opened = Mesh(solid.vertices, solid.faces[2:])
+    for tested in (solid, opened):
+        truth = contact_truth(tested, [hull], 0.1, samples=400, seed=1)
+        assert truth.false_depth.samples == truth.false_contacts.count
+        # An upper estimate, but never more than hull and probe together are long.
+        assert truth.false_depth.least > 0.0
+        assert truth.false_depth.greatest < 0.38 + 0.06

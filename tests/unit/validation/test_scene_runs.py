@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from assetpipe.errors import ConfigError
 from assetpipe.shipped import CONFIGS
 from assetpipe.validation.dynamics import available_engines
 from assetpipe.validation.effects import METHODS, plan
@@ -248,3 +249,14 @@ def test_a_thousand_times_heavier_body_stands_on_a_light_one(engine):
     habit = replace(plan(scene, assets, engine=engine), step=Setting(1 / 60, "habit"))
     found, _, _ = attempt(scene, assets, habit, options)
     assert found.answer is False
+
+
+def test_what_a_scene_says_wrong_about_its_assets_is_told_with_its_file(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        "title: t\nquestion: hold\nsubject: arm\nlimit: 1mm\ndrive: {gravity: 9.81}\n"
+        "assets: {arm: {package: arm_gripper, collision: hull, moving: [elbo_joint]}}\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(ConfigError, match=r"mine\.yaml: .*did you mean 'elbow_joint'"):
+        run_scene(file)
