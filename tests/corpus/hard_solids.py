@@ -43,6 +43,16 @@ class Solid:
         """As :class:`Mesh`."""
         return Mesh(*self.make())
 
+    def epsilon(self, changed: Mesh) -> float:
+        """The tolerance in metres on this solid turned, scaled or moved."""
+        original = self.mesh
+        return self.tolerance * original.diagonal * _radius(changed) / _radius(original)
+
+
+def _radius(mesh: Mesh) -> float:
+    middle = mesh.vertices.mean(axis=0)
+    return float(np.linalg.norm(mesh.vertices - middle, axis=1).max())
+
 
 def arrays(solid: manifold3d.Manifold) -> Arrays:
     mesh = solid.to_mesh64()
@@ -270,7 +280,7 @@ SOLIDS: tuple[Solid, ...] = (
     Solid("feature", "notch 10^-3", lambda: notched(1e-3), (1, 1)),
     Solid("crowd", "gridded angle", lambda: gridded(angle_plate(0.2), 3), (2, 2)),
     Solid("crowd", "ball without an octant", lambda: bitten_ball(3), (3, 12)),
-    Solid("crowd", "geodesic ball", lambda: sphere(4), (1, 1)),
+    Solid("crowd", "geodesic ball", lambda: sphere(3), (1, 1)),
     Solid("crowd", "tube of 200 sides", lambda: tube_wall(0.1, 200), (6, 24), 0.03),
     Solid("lattice", "Menger sponge", sponge, (12, 20)),
     Solid("lattice", "stairs", lambda: stairs(6), (6, 6)),
@@ -278,8 +288,8 @@ SOLIDS: tuple[Solid, ...] = (
     Solid("loops", "tubes in tubes", nested_tubes, (20, 60)),
     Solid("loops", "islands in wells", holes_with_islands, (8, 16)),
     Solid("loops", "tunnels that touch", lens_holes, (6, 20)),
-    Solid("topology", "trefoil", lambda: torus_knot(2, 3), (10, 40), 0.03),
-    Solid("topology", "cinquefoil", lambda: torus_knot(2, 5), (14, 60), 0.03),
+    Solid("topology", "trefoil", lambda: torus_knot(2, 3, 64, 6), (10, 40), 0.03),
+    Solid("topology", "cinquefoil", lambda: torus_knot(2, 5, 80, 6), (14, 60), 0.03),
     Solid("topology", "interlocked rings", lambda: join(ring(), ring((0.3, 0, 0), True)), (8, 40)),
     Solid("topology", "grate of genus 16", lambda: grate(4), (9, 30)),
     Solid("opening", "deep hole wider than the tolerance", lambda: drilled(0.12), (2, 8)),
@@ -288,7 +298,7 @@ SOLIDS: tuple[Solid, ...] = (
         "opening",
         "deep hole narrower, by concavity",
         lambda: drilled(0.04),
-        (2, 12),
+        (2, 16),
         metric="concavity",
     ),
     Solid("opening", "vessel with a small opening", lambda: vessel(0.05), (5, 14)),
@@ -320,7 +330,13 @@ SOLIDS: tuple[Solid, ...] = (
         0.01,
     ),
     Solid("file", "grate as an STL holds it", lambda: quantised(grate(3)), (6, 20)),
-    Solid("file", "knot as an STL holds it", lambda: quantised(torus_knot(2, 3)), (10, 40), 0.03),
+    Solid(
+        "file",
+        "knot as an STL holds it",
+        lambda: quantised(torus_knot(2, 3, 64, 6)),
+        (10, 40),
+        0.03,
+    ),
 )
 
 

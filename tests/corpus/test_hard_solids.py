@@ -1,6 +1,6 @@
 """Every hard solid, as it is and changed, keeps every promise.
 
-Each row runs as it is and with two of the changes, which rotate over the rows;
+Each row runs as it is and with one of the changes, which rotate over the rows;
 ``benchmarks/hard_cases.py`` runs the full product.
 """
 
@@ -16,8 +16,7 @@ from assetpipe.geometry import Mesh
 
 def of(row: Solid, mesh: Mesh) -> tuple[Mesh, Decomposition]:
     """The solid that was decomposed, and the result."""
-    size = row.mesh.diagonal * (mesh.area / row.mesh.area) ** 0.5
-    d = decompose(mesh, row.tolerance * size, metric=row.metric, threads=1)
+    d = decompose(mesh, row.epsilon(mesh), metric=row.metric, threads=1)
     assert row.hulls[0] <= len(d.hulls) <= row.hulls[1]
     if d.repair is None:
         return mesh, d
@@ -40,7 +39,7 @@ def name(row: Solid) -> str:
 ROTATING = [
     pytest.param(row, change, id=f"{name(row)}-{change.__name__}")
     for k, row in enumerate(SOLIDS)
-    for change in (plain, CHANGES[1 + k % 7], CHANGES[1 + (k + 1 + k // 7) % 7])
+    for change in (plain, CHANGES[1 + (k + k // 7) % 7])
 ]
 
 

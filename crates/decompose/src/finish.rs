@@ -68,9 +68,17 @@ impl Finish<'_> {
         }
         let own: Vec<&Piece> = group.members.iter().map(|&m| &parts[m as usize]).collect();
         let known = proved.thickening.lower;
-        let concavity = self
+        let mut concavity = self
             .judge
             .concavity(&proved.hull, &own, known, self.gap, &limits);
+        // Bounds give up earlier than the proof of acceptance, which holds all the same.
+        let epsilon = self.judge.epsilon;
+        if self.judge.metric == Metric::Concavity
+            && concavity.upper > epsilon
+            && self.judge.decide(&proved.hull, &own).is_within()
+        {
+            concavity.upper = epsilon.max(concavity.lower);
+        }
         Ok((mesh, proved, Some(concavity)))
     }
 
