@@ -199,6 +199,10 @@ def divided_box() -> Arrays:
     return welded(join((np.asarray(a.vertices), np.asarray(a.faces)), part))
 
 
+def hollow() -> Arrays:
+    return join(box(), inverted(box((0.5, 0.5, 0.5))))
+
+
 def mesh(part: Arrays) -> Mesh:
     return Mesh(*part)
 
@@ -308,13 +312,25 @@ CASES: tuple[Case, ...] = (
     ),
     Case("every face twice", lambda: mesh((box()[0], np.tile(box()[1], (2, 1)))), "exact", 1.0),
     Case(
+        "every face of a box and its cavity twice",
+        lambda: mesh(
+            (hollow()[0], np.tile(hollow()[1], (2, 1))),
+        ),
+        "exact",
+        0.875,
+        codes=("AP207",),
+    ),
+    Case(
         "every face from both sides",
         lambda: mesh((box()[0], np.vstack([box()[1], box()[1][:, ::-1]]))),
         "exact",
         1.0,
     ),
     Case(
-        "one face twice", lambda: mesh((box()[0], np.vstack([box()[1], box()[1][:1]]))), "near", 1.0
+        "one face twice",
+        lambda: mesh((box()[0], np.vstack([box()[1], box()[1][:1]]))),
+        "exact",
+        1.0,
     ),
     Case(
         "degenerate faces",

@@ -18,10 +18,11 @@ class Cleaned:
     faces: IntArray
     welded: int = 0
     degenerate: int = 0
+    repeated: int = 0
 
 
 def weld_exactly(vertices: FloatArray, faces: IntArray) -> Cleaned:
-    """Join vertices with the same coordinates; drop faces that thereby lose a corner."""
+    """Join vertices with the same coordinates; drop faces that lose a corner or are repeated."""
     keep, to = exact_duplicates(vertices)
     if len(keep) < len(vertices):
         welded = len(vertices) - len(keep)
@@ -31,8 +32,26 @@ def weld_exactly(vertices: FloatArray, faces: IntArray) -> Cleaned:
     bad = degenerate(faces)
     if len(bad):
         faces = np.delete(faces, bad, axis=0)
-    vertices, faces = referenced(vertices, faces)
-    return Cleaned(vertices, faces, welded=welded, degenerate=len(bad))
+    once = _without_repeats(faces)
+    repeated = len(faces) - len(once)
+    vertices, faces = referenced(vertices, once)
+    return Cleaned(vertices, faces, welded, len(bad), repeated)
+
+
+def _without_repeats(faces: IntArray) -> IntArray:
+    """Faces, only the first of those over the same vertices that all wind the same way.
+
+    Those that are there from both sides mean a sheet, and are left to later steps.
+    """
+    group, groups, winding = same_corners(faces)
+    if groups == len(faces):
+        return faces
+    number = np.bincount(group, minlength=groups)
+    agreed = np.abs(np.bincount(group, weights=winding, minlength=groups)) == number
+    first = np.full(groups, len(faces), dtype=np.int64)
+    np.minimum.at(first, group, np.arange(len(faces)))
+    kept: IntArray = faces[(first[group] == np.arange(len(faces))) | ~agreed[group]]
+    return kept
 
 
 def one_of_each(faces: IntArray) -> IntArray:

@@ -89,8 +89,10 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     clock = process_time()
     weld = weld_exactly(mesh.vertices, mesh.faces)
     steps: tuple[Step, ...] = ()
-    if weld.welded or weld.degenerate:
+    if weld.welded or weld.degenerate or weld.repeated:
         what = f"joined {weld.welded} coinciding vertices, dropped {weld.degenerate} faces"
+        if weld.repeated:
+            what += f" and {weld.repeated} repeated ones"
         steps = (Step(Rung.WELD, what, seconds=process_time() - clock),)
     if not len(weld.faces) or not face_areas(weld.vertices, weld.faces)[0].any():
         finding = Finding("AP204", Severity.ERROR, "all faces are degenerate: there is no surface")
@@ -229,10 +231,11 @@ def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
     scale = job.frame.scale
     moved = work.displacement * scale
     added = removed = added_p99 = removed_p99 = 0.0
+    # What was given a thickness lies about that far away: no need to know it more sharply.
+    sheets = any(step.rung is Rung.SHEET for step in work.steps)
+    floor = max(job.budget / 10.0, job.thickness if sheets else 0.0)
     if len(fresh):
-        added = farthest(
-            job.surface, fresh, side="surface", resolution=RESOLUTION, floor=job.budget / 10.0
-        )
+        added = farthest(job.surface, fresh, side="surface", resolution=RESOLUTION, floor=floor)
         units = job.frame.inward(solid.vertices)
         added_p99 = quantile(job.surface, (units, solid.faces), side="surface")
     if len(lost):

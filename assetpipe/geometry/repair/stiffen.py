@@ -26,8 +26,7 @@ def thickened(work: Work, job: Job) -> Work:
         return work
     clock = process_time()
     scale = job.frame.scale
-    shells, fresh = list(work.shells), [work.fresh]
-    moved = 0.0
+    shells, fresh = list(work.shells), []
     findings = [finding for patch in work.patches for finding in _wide(patch, job)]
     for sheet in work.patches:
         job.check_time()
@@ -37,16 +36,15 @@ def thickened(work: Work, job: Job) -> Work:
             side: Literal["inward", "centred"] = "inward" if bounds else "centred"
             solids.append(thicken(vertices, wound, job.thickness, side))
         shells += [shell for solid in solids for shell in shells_of(*solid)]
-        triangles = stacked(*(vertices[faces] for vertices, faces in solids))
-        fresh.append(triangles)
-        apart = farthest(
-            job.surface,
-            triangles,
-            side="surface",
-            resolution=RESOLUTION,
-            floor=job.budget / 10.0,
-        )
-        moved = max(moved, apart)
+        fresh += [vertices[faces] for vertices, faces in solids]
+    # All sheets at once, and no sharper than their thickness: there can be hundreds.
+    moved = farthest(
+        job.surface,
+        stacked(*fresh),
+        side="surface",
+        resolution=RESOLUTION,
+        floor=job.thickness,
+    )
     step = Step(
         Rung.SHEET,
         f"gave {len(work.patches)} open sheets a thickness of {job.thickness * scale:.3g} m",
@@ -59,7 +57,7 @@ def thickened(work: Work, job: Job) -> Work:
         findings=tuple(findings),
         shells=tuple(shells),
         patches=(),
-        fresh=stacked(*fresh),
+        fresh=stacked(work.fresh, *fresh),
     )
 
 
