@@ -11,7 +11,7 @@ use crate::canonical::ordered;
 use crate::close::close;
 use crate::concavity::{Gap, Interval, Limits};
 use crate::control::Control;
-use crate::convex::{check_closed, is_convex};
+use crate::convex::{check_closed, is_convex, is_like_a_sphere, is_strictly_convex};
 use crate::engine::{decompose_working, Cover};
 use crate::error::DecomposeError;
 use crate::finish::Finish;
@@ -93,6 +93,55 @@ pub fn parts(
         .collect())
 }
 
+/// The decomposition of a solid that is exactly convex without flat edges: itself, in
+/// microseconds. `None` for all others, which take [`decompose`].
+///
+/// # Errors
+/// [`DecomposeError`] for input that is none.
+pub fn at_once(
+    mesh: &Mesh,
+    epsilon: f64,
+    settings: &SearchSettings,
+) -> Result<Option<Decomposition>, DecomposeError> {
+    check(mesh, epsilon)?;
+    if !is_like_a_sphere(mesh) {
+        return Ok(None);
+    }
+    Ok(if_strictly_convex(&ordered(mesh), epsilon, settings))
+}
+
+fn if_strictly_convex(
+    mesh: &Mesh,
+    epsilon: f64,
+    settings: &SearchSettings,
+) -> Option<Decomposition> {
+    let affordable = settings.most_vertices == 0 || mesh.vertices.len() <= settings.most_vertices;
+    (affordable && is_strictly_convex(mesh)).then(|| itself(mesh.clone(), epsilon))
+}
+
+/// The decomposition of a convex solid.
+fn itself(hull: Mesh, epsilon: f64) -> Decomposition {
+    let (hull, reach) = match cleared(&hull, CLEARANCE * epsilon) {
+        Some(found) => (found.hull, found.reach),
+        None => (hull, 0.0),
+    };
+    let within = Interval {
+        lower: 0.0,
+        upper: reach,
+    };
+    let hull = Hull {
+        volume: volume(&hull),
+        mesh: hull,
+        thickening: within,
+        concavity: Some(within),
+        children: None,
+    };
+    Decomposition {
+        hulls: vec![hull],
+        leaves: 1,
+    }
+}
+
 /// The decomposition and, unless the solid is convex, what it was made from.
 type Found = (Decomposition, Option<(Working, Cover)>);
 
@@ -104,7 +153,13 @@ fn run(
     control: &Control,
 ) -> Result<Found, DecomposeError> {
     check(mesh, epsilon)?;
-    let mesh = &ordered(mesh);
+    let same = ordered(mesh);
+    if let Some(found) = if_strictly_convex(&same, epsilon, settings) {
+        return Ok((found, None));
+    }
+    // The input itself, so that an error names its vertices.
+    check_closed(mesh)?;
+    let mesh = &same;
     let hull = convex_hull(&mesh.vertices).map_err(flat)?;
     let own = volume(mesh);
     if own <= 1e-12 * volume(&hull) {
@@ -112,23 +167,7 @@ fn run(
     }
     let affordable = settings.most_vertices == 0 || hull.vertices.len() <= settings.most_vertices;
     if affordable && is_convex(mesh, &hull) {
-        let (hull, reach) = match cleared(&hull, CLEARANCE * epsilon) {
-            Some(found) => (found.hull, found.reach),
-            None => (hull, 0.0),
-        };
-        let within = Interval {
-            lower: 0.0,
-            upper: reach,
-        };
-        let hull = Hull {
-            volume: volume(&hull),
-            mesh: hull,
-            thickening: within,
-            concavity: Some(within),
-            children: None,
-        };
-        let hulls = vec![hull];
-        return Ok((Decomposition { hulls, leaves: 1 }, None));
+        return Ok((itself(hull, epsilon), None));
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -184,7 +223,7 @@ fn concave(
         // Nobody needs many digits of what is small beside the tolerance.
         gap: Gap {
             relative: settings.gap,
-            absolute: (8.0 * settings.gap * settings.gap).min(0.02) * target,
+            absolute: (160.0 * settings.gap * settings.gap * settings.gap).min(0.02) * target,
         },
         cells: settings.cells,
         most_vertices: settings.most_vertices,
@@ -246,7 +285,7 @@ fn check(mesh: &Mesh, epsilon: f64) -> Result<(), DecomposeError> {
     if let Some(index) = mesh.vertices.iter().position(|p| !p.is_finite()) {
         return Err(DecomposeError::NotFinite { index });
     }
-    check_closed(mesh)
+    Ok(())
 }
 
 #[allow(clippy::needless_pass_by_value)]

@@ -49,7 +49,7 @@ fn theorem_1_on_every_part() {
         absolute: 1e-4,
     };
     let (mut checked, mut hollow) = (0, 0);
-    for seed in 0..4 {
+    for seed in 0..3 {
         let solid = wavy_ring(seed);
         let found = parts(
             &solid,
@@ -75,5 +75,5 @@ fn theorem_1_on_every_part() {
             hollow += usize::from(concavity.interior.lower > 0.01);
         }
     }
-    assert!(checked >= 16 && hollow >= 8, "{checked} {hollow}");
+    assert!(checked >= 12 && hollow >= 6, "{checked} {hollow}");
 }

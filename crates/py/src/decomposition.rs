@@ -30,6 +30,10 @@ fn pair(interval: Interval) -> Bounds {
     (interval.lower, interval.upper)
 }
 
+/// Meshes with so many faces are looked at on the caller's thread first: well under a
+/// tenth of a second.
+const QUICK: usize = 100_000;
+
 /// Decompose a closed solid.
 ///
 /// Returns (hulls, leaves): each hull is (vertices, faces, volume, thickening,
@@ -48,10 +52,20 @@ pub fn decompose<'py>(
 ) -> PyResult<(Vec<HullTuple<'py>>, usize)> {
     let solid = mesh(py, &vertices, &faces)?;
     let settings = read_settings(py, settings)?;
-    let result = watch::run(py, on_progress, |control| {
-        core::decompose(&solid, epsilon, &settings, threads, control)
-    })?;
-    let Decomposition { hulls, leaves } = result.map_err(|e| decompose_error(py, &e))?;
+    // A small convex mesh is not worth a thread.
+    let own = if solid.triangles.len() <= QUICK {
+        py.detach(|| core::at_once(&solid, epsilon, &settings))
+            .map_err(|e| decompose_error(py, &e))?
+    } else {
+        None
+    };
+    let Decomposition { hulls, leaves } = match own {
+        Some(found) => found,
+        None => watch::run(py, on_progress, |control| {
+            core::decompose(&solid, epsilon, &settings, threads, control)
+        })?
+        .map_err(|e| decompose_error(py, &e))?,
+    };
     let hulls = hulls
         .iter()
         .map(|h| {
