@@ -277,22 +277,8 @@ impl SearchSettings {
             "cells" => self.cells = number(name, value)?,
             "gap" => self.gap = number(name, value)?,
             "slim" => self.slim = number(name, value)?,
-            "merging" => {
-                let known = match value {
-                    "on" => Some(true),
-                    "off" => Some(false),
-                    _ => None,
-                };
-                self.merging = choice(name, value, known, "on, off")?;
-            }
-            "prisms" => {
-                let known = match value {
-                    "plane" => Some(Prisms::Plane),
-                    "search" => Some(Prisms::Search),
-                    _ => None,
-                };
-                self.prisms = choice(name, value, known, "plane, search")?;
-            }
+            "merging" => self.merging = choice(name, value, switch(value), "on, off")?,
+            "prisms" => self.prisms = choice(name, value, prisms(value), "plane, search")?,
             "ladder" => {
                 self.ladder = value
                     .split(',')
@@ -322,5 +308,21 @@ impl SearchSettings {
             _ => return Err(format!("'{name}' is no parameter of the search")),
         }
         Ok(())
+    }
+}
+
+fn prisms(value: &str) -> Option<Prisms> {
+    match value {
+        "plane" => Some(Prisms::Plane),
+        "search" => Some(Prisms::Search),
+        _ => None,
+    }
+}
+
+fn switch(value: &str) -> Option<bool> {
+    match value {
+        "on" => Some(true),
+        "off" => Some(false),
+        _ => None,
     }
 }
