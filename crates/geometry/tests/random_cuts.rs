@@ -72,6 +72,7 @@ fn random_cuts_of_random_solids() {
             pieces.extend(both.flat_map(|piece| components(&piece)));
         }
     }
+    println!("{cuts} cuts");
     assert!(cuts > cases(1000).count() / 2, "{cuts}");
 }
 

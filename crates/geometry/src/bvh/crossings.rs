@@ -105,6 +105,13 @@ impl Bvh {
 /// that turns that way; 0 if it does not.
 fn projected_turn(corners: [DVec3; 3], q: DVec3, u: usize, v: usize) -> i32 {
     let [a, b, c] = corners;
+    for k in [u, v] {
+        let least = a[k].min(b[k]).min(c[k]);
+        let most = a[k].max(b[k]).max(c[k]);
+        if q[k] < least || q[k] > most {
+            return 0;
+        }
+    }
     let first = edge_side(a, b, q, u, v);
     if first == 0 || edge_side(b, c, q, u, v) != first || edge_side(c, a, q, u, v) != first {
         return 0;
