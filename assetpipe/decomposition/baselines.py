@@ -73,6 +73,7 @@ def decompose_with(
         repair=repaired,
         solid=given,
         closed=closing,
+        closed_solid=None if solid is given else solid,
     )
     return shaped(
         result,

@@ -100,6 +100,8 @@ class Decomposition:
         closed: what was closed because nothing can reach it; the certificate is towards the
             solid so closed. ``None`` if that was not asked.
         seams: what became of the seams of this level; ``None`` if no overlap was asked.
+        closed_solid: the solid with what was closed, towards which certificates are; ``None``
+            if that is ``solid`` itself.
     """
 
     hulls: tuple[Hull, ...]
@@ -113,6 +115,7 @@ class Decomposition:
     solid: Mesh | None = None
     closed: Closing | None = None
     seams: Seams | None = None
+    closed_solid: Mesh | None = None
 
     @cached_property
     def inner(self) -> tuple[InnerHull, ...]:

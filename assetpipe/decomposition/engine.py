@@ -75,7 +75,7 @@ def decompose(
         cavities: ``"fill"`` closes enclosed voids first; ``"keep"`` leaves them.
         reach: metres; space that no ball of this radius can enter from outside counts as
             solid, and certificates are towards the solid so closed; 0 closes nothing.
-            ``closed`` of the result tells what it was.
+            ``closed`` of the result tells what it was: nothing where that saves no hull.
         shapes: ``"primitives"`` replaces hulls by boxes, cylinders and spheres that enclose
             them where these are proved to stay within the tolerance, as
             ``"primitives_and_capsules"`` does by capsules too; see :attr:`Hull.primitive`.
@@ -121,26 +121,24 @@ def decompose(
         **({} if shapes == "hulls" else {"slim": 0.0}),
         **(params.search if params else {}),
     }
-    found, leaves = _core.decompose(
-        np.ascontiguousarray(solid.vertices),
-        np.ascontiguousarray(solid.faces),
-        epsilon,
-        settings,
-        threads or 0,
-        on_progress,
-    )
-    nodes = tuple(
-        Node(
-            Hull(
-                vertices,
-                faces,
-                volume,
-                Certificate(Interval(*thickening), Interval(*concavity) if concavity else None),
-            ),
-            children,
+
+    def search(body: Mesh) -> tuple[tuple[Node, ...], int]:
+        found, leaves = _core.decompose(
+            np.ascontiguousarray(body.vertices),
+            np.ascontiguousarray(body.faces),
+            epsilon,
+            settings,
+            threads or 0,
+            on_progress,
         )
-        for vertices, faces, volume, thickening, concavity, children in found
-    )
+        return _nodes(found), leaves
+
+    nodes, leaves = search(solid)
+    if closing is not None and closing.pockets:
+        # Mouths of pockets that are left open may cost more than pockets save.
+        plain, count = search(given)
+        if count <= leaves:
+            solid, nodes, leaves, closing = given, plain, count, closing.undone()
     result = Decomposition(
         tuple(node.hull for node in nodes[:leaves]),
         Coverage("construction"),
@@ -152,6 +150,7 @@ def decompose(
         nodes,
         given,
         closing,
+        closed_solid=None if solid is given else solid,
     )
     if max_hulls is not None and len(result.hulls) > max_hulls:
         result = result.at(max_hulls=max_hulls)
@@ -164,6 +163,22 @@ def decompose(
         overlap=overlap,
         max_hull_vertices=max_hull_vertices,
         on_progress=on_progress,
+    )
+
+
+def _nodes(found: list[Any]) -> tuple[Node, ...]:
+    """The engine's answer as values."""
+    return tuple(
+        Node(
+            Hull(
+                vertices,
+                faces,
+                volume,
+                Certificate(Interval(*thickening), Interval(*concavity) if concavity else None),
+            ),
+            children,
+        )
+        for vertices, faces, volume, thickening, concavity, children in found
     )
 
 

@@ -40,6 +40,10 @@ class Closing:
     volume: float
     spacing: float
 
+    def undone(self) -> Closing:
+        """The same search, and nothing closed."""
+        return Closing(self.reach, 0, 0.0, self.spacing)
+
     def as_dict(self) -> dict[str, Any]:
         """JSON-ready, lengths in metres."""
         return {

@@ -48,13 +48,11 @@ def work(request: Mapping[str, Any], reporter: Reporter) -> MeshOutcome:
     repaired = _solid(mesh, request, facts, findings)
     if repaired is None or repaired.solid is None or request["until"] == "repair":
         return kept()
-    solid = _closed(repaired.solid, request, facts, findings, reporter)
-    if solid is None:
-        return kept()
     reporter.stage("decompose")
-    hulls = _decompose(solid, request, facts, findings, reporter)
-    if hulls is None:
+    made = _decompose(repaired.solid, request, facts, findings, reporter)
+    if made is None:
         return kept()
+    solid, hulls = made
     outcome = MeshOutcome("decomposed", hulls, tuple(findings), facts, solid)
     if request["contact"] is None:
         return outcome
@@ -149,43 +147,14 @@ def graded(finding: Finding, moved: float, tolerance: float) -> Finding:
     return replace(finding, severity=severity, message=message)
 
 
-def _closed(
-    solid: Mesh,
-    request: Mapping[str, Any],
-    facts: dict[str, Any],
-    findings: list[Finding],
-    reporter: Reporter,
-) -> Mesh | None:
-    """The solid, with the space that nothing can enter if that was asked."""
-    from assetpipe.decomposition import close_unreachable
-
-    reach = request["params"]["reach"]
-    if reach == 0.0:
-        return solid
-    try:
-        closed = close_unreachable(
-            solid,
-            reach,
-            threads=int(os.environ.get("ASSETPIPE_THREADS", "1")),
-            on_progress=lambda done: reporter.stage("reach", float(done)),
-        )
-    except LimitError as error:
-        findings.append(Finding("AP206", Severity.ERROR, error.message))
-        return None
-    except MeshError as error:
-        findings.append(Finding("AP303", Severity.ERROR, error.message))
-        return None
-    facts["closed"] = closed.closing.as_dict()
-    return closed.solid
-
-
 def _decompose(
     solid: Mesh,
     request: Mapping[str, Any],
     facts: dict[str, Any],
     findings: list[Finding],
     reporter: Reporter,
-) -> tuple[HullOutcome, ...] | None:
+) -> tuple[Mesh, tuple[HullOutcome, ...]] | None:
+    """The hulls and the solid that they stand for, with what was closed."""
     from assetpipe.decomposition import decompose_with
 
     params = request["params"]
@@ -206,7 +175,7 @@ def _decompose(
             cavities="keep",  # repair has filled them, if that was asked
             shapes=params["shapes"],
             overlap=params["overlap"],
-            reach=0.0,  # closed already, for the hulls and for what judges them
+            reach=params["reach"],
             on_progress=lambda done: reporter.stage("decompose", float(done)),
         )
     except LimitError as error:
@@ -237,6 +206,8 @@ def _decompose(
     facts["hulls"] = len(hulls)
     if params["shapes"] != "hulls":
         facts["primitives"] = [h.primitive.as_dict() if h.primitive else None for h in hulls]
+    if result.closed is not None:
+        facts["closed"] = result.closed.as_dict()
     if result.seams is not None:
         facts["seams"] = result.seams.as_dict()
     facts["hull_vertices"] = sum(len(h.mesh.vertices) for h in hulls)
@@ -254,7 +225,7 @@ def _decompose(
                 hint=_budget_hint(params),
             )
         )
-    return hulls
+    return result.closed_solid or solid, hulls
 
 
 def _budget_hint(params: Mapping[str, Any]) -> str:

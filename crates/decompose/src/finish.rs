@@ -1,10 +1,11 @@
 //! From working hulls to the hulls that leave the engine: exact in the input's
 //! coordinates, with fewer vertices, proved again.
 
-use assetpipe_geometry::hull::{convex_hull, simplify_outward, simplify_within};
+use assetpipe_geometry::hull::{convex_hull, simplify_within};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
+use crate::budget;
 use crate::concavity::thickening::{bounds, bounds_above};
 use crate::concavity::{Decision, Gap, Interval, Limits};
 use crate::error::DecomposeError;
@@ -204,11 +205,10 @@ impl Finish<'_> {
     /// # Errors
     /// [`DecomposeError::Internal`] for a hull without volume.
     pub fn within_budget(&self, hull: Mesh) -> Result<Mesh, DecomposeError> {
-        if self.most_vertices == 0 || hull.vertices.len() <= self.most_vertices {
+        if self.most_vertices == 0 {
             return Ok(hull);
         }
-        simplify_outward(&hull, self.most_vertices)
-            .map_err(|e| DecomposeError::Internal(e.to_string()))
+        budget::within(hull, self.most_vertices)
     }
 
     /// The working copy of a hull of the input.

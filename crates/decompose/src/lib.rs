@@ -1,5 +1,6 @@
 //! Collision-aware approximate convex decomposition of solids.
 
+pub mod budget;
 pub mod candidates;
 pub mod canonical;
 pub mod close;
