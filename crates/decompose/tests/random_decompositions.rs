@@ -1,7 +1,7 @@
 //! Random solids decomposed: hulls convex and around their parts by exact signs, bounds within
 //! the tolerance and around what samples show, volumes of parts adding up.
 //!
-//! `ASSETPIPE_CASES` says which cases are drawn: `5000` or `5000..9000` (default 40). Case
+//! `ASSETPIPE_CASES` says which cases are drawn: `5000` or `5000..9000` (default 80). Case
 //! `k` is always the same, and a failure names it.
 #![allow(clippy::panic, clippy::unwrap_used)]
 
@@ -54,7 +54,7 @@ fn settings(random: &mut Random) -> SearchSettings {
 #[test]
 fn random_decompositions_keep_their_promises() {
     let (mut made, mut hulls) = (0, 0);
-    for number in cases(40) {
+    for number in cases(80) {
         let mut random = Random::new(number ^ 0xDEC0);
         let mesh = solid(&mut random);
         if mesh.triangles.is_empty() || mesh.triangles.len() > 400 {
@@ -129,7 +129,7 @@ fn random_decompositions_keep_their_promises() {
         );
     }
     println!("{made} decompositions, {hulls} hulls");
-    assert!(3 * made >= cases(40).count(), "{made}");
+    assert!(3 * made >= cases(80).count(), "{made}");
 }
 
 fn check_parts(number: u64, mesh: &Mesh, groups: &[Vec<Mesh>], hulls: &[&Mesh]) {
