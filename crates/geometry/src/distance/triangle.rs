@@ -100,12 +100,35 @@ impl Triangle {
         a + ab * (vb * scale) + ac * (vc * scale)
     }
 
+    /// The foot of `q`, by its share of the longest edge and of the height over it, each
+    /// drawn into the triangle: what it returns is of the triangle however thin that is.
+    fn foot(&self, q: DVec3) -> DVec3 {
+        let (a, b, c) = (self.a, self.b, self.c);
+        let edges = [(a, b, c), (b, c, a), (c, a, b)];
+        let length2 = |e: &(DVec3, DVec3, DVec3)| e.0.distance_squared(e.1);
+        let (s, t, apex) = edges.into_iter().fold(edges[0], |best, e| {
+            if length2(&e) > length2(&best) {
+                e
+            } else {
+                best
+            }
+        });
+        let along = t - s;
+        let share = |p: DVec3| along.dot(p - s) / along.length_squared();
+        let top = share(apex);
+        let height = apex - s - along * top;
+        let up = (q - s - along * share(q)).dot(height) / height.length_squared();
+        let up = up.clamp(0.0, 1.0);
+        // Without area this is 0/0, and NaN loses.
+        s + along * share(q).max(top * up).min(1.0 - (1.0 - top) * up) + height * up
+    }
+
     #[cold]
     fn nearest_with_edges(&self, q: DVec3, first: DVec3) -> DVec3 {
         let mut best = (f64::INFINITY, self.a);
         let edges = [(self.a, self.b), (self.b, self.c), (self.c, self.a)];
         let on_edges = edges.map(|(s, t)| closest_on_segment(s, t, q));
-        for p in on_edges.into_iter().chain([first]) {
+        for p in on_edges.into_iter().chain([first, self.foot(q)]) {
             let d2 = (p - q).length_squared();
             // A triangle without area gives 0/0 in the general case; NaN loses here.
             if d2 < best.0 {
