@@ -14,6 +14,7 @@ use crate::control::Control;
 use crate::convex::{check_closed, is_convex, is_like_a_sphere, is_strictly_convex};
 use crate::engine::{decompose_working, Cover};
 use crate::error::DecomposeError;
+use crate::explore::fewest;
 use crate::finish::Finish;
 use crate::hierarchy::{build, Node};
 use crate::judge::Judge;
@@ -215,7 +216,7 @@ fn concave(
         epsilon: target,
         limits: &limits,
     };
-    let cover = fewest(&copy, &judge, settings, control)?;
+    let cover = cover(&copy, &judge, settings, control)?;
     let finish = Finish {
         working: &working,
         judge,
@@ -250,29 +251,17 @@ fn concave(
     Ok((Decomposition { hulls, leaves }, Some((working, cover))))
 }
 
-/// The cover with the fewest hulls of all variants and of the outline, if the solid is
-/// one extruded; of these the tightest.
-fn fewest(
+/// The cover of the search or of the outline, if the solid is one extruded: with the fewest
+/// hulls, of these the tightest.
+fn cover(
     copy: &Mesh,
     judge: &Judge<'_>,
     settings: &SearchSettings,
     control: &Control,
 ) -> Result<Cover, DecomposeError> {
-    let covers: Vec<Cover> = (0..settings.variants.max(1))
-        .into_par_iter()
-        .map(|k| decompose_working(copy, judge, &settings.variant(k), control))
-        .collect::<Result<_, _>>()?;
-    let covers: Vec<Cover> = covers
-        .into_iter()
-        .chain(prismatic::cover(copy, judge, settings))
-        .collect();
-    let size = |cover: &Cover| cover.hulls.iter().map(|h| volume(&h.hull)).sum::<f64>();
-    covers
-        .into_iter()
-        .map(|cover| (cover.hulls.len(), size(&cover), cover))
-        .reduce(|a, b| if (b.0, b.1) < (a.0, a.1) { b } else { a })
-        .map(|best| best.2)
-        .ok_or_else(|| DecomposeError::Internal("no variant was run".into()))
+    let searched = decompose_working(copy, judge, settings, control)?;
+    let covers = std::iter::once(searched).chain(prismatic::cover(copy, judge, settings));
+    fewest(covers.collect())
 }
 
 fn check(mesh: &Mesh, epsilon: f64) -> Result<(), DecomposeError> {

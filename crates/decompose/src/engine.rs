@@ -10,6 +10,7 @@ use crate::candidates::{flat_faces, sector};
 use crate::concavity::{Decision, Interval};
 use crate::control::Control;
 use crate::error::DecomposeError;
+use crate::explore::Explorer;
 use crate::forbidden;
 use crate::judge::Judge;
 use crate::merge::{merge, volume, Proved};
@@ -25,12 +26,54 @@ use crate::settings::{Metric, SearchSettings, Sectors};
 /// More parts than this mean that the tolerance does not fit the solid.
 const MOST_PARTS: usize = 20_000;
 
+/// A part to decide about.
+pub type Open = (Part, Lineage);
+
 /// Hulls that cover the solid, and what they were made from.
+#[derive(Default)]
 pub struct Cover {
     /// The hulls; `members` are indices of `parts`.
     pub hulls: Vec<Proved>,
     /// The parts before merging.
     pub parts: Vec<Piece>,
+    /// Points known to be farther than ε from the solid.
+    pub witnesses: Vec<DVec3>,
+}
+
+impl Cover {
+    /// What a step settled.
+    pub fn of(step: Step) -> Cover {
+        let mut cover = Cover::default();
+        match step {
+            Step::Done {
+                hull,
+                thickening,
+                piece,
+            } => {
+                cover.hulls.push(Proved {
+                    hull,
+                    thickening,
+                    members: vec![0],
+                });
+                cover.parts.push(piece);
+            }
+            Step::Cut { witness, .. } => cover.witnesses.extend(witness),
+        }
+        cover
+    }
+
+    /// Put another one's hulls behind its own.
+    pub fn add(&mut self, other: Cover) {
+        let shift = self.parts.len() as u32;
+        self.hulls.extend(other.hulls.into_iter().map(|mut hull| {
+            for member in &mut hull.members {
+                *member += shift;
+            }
+            hull
+        }));
+        self.parts.extend(other.parts);
+        self.witnesses.extend(other.witnesses);
+    }
 }
 
 /// Decompose a closed solid in its working copy.
@@ -43,7 +86,7 @@ pub fn decompose_working(
     settings: &SearchSettings,
     control: &Control,
 ) -> Result<Cover, DecomposeError> {
-    let mut frontier = Vec::new();
+    let mut parts = Vec::new();
     for piece in crate::part::components(Piece::from(mesh)) {
         let closed = Mesh {
             vertices: piece.points.clone(),
@@ -53,81 +96,123 @@ pub fn decompose_working(
             .iter()
             .map(Piece::from)
             .collect();
-        frontier.extend(connected_parts(piece, levels).map_err(internal)?);
+        parts.extend(connected_parts(piece, levels).map_err(internal)?);
     }
-    let mut frontier: Vec<(Part, Lineage)> = frontier
+    let open: Vec<Open> = parts
         .into_iter()
         .enumerate()
         .map(|(i, part)| (part, Lineage::root(i)))
         .collect();
-    let total_volume = frontier.iter().map(|(p, _)| p.piece.volume()).sum::<f64>();
+    if settings.ways.is_empty() {
+        // Merging and the coarser levels are about a tenth of the work.
+        let found = run(judge, open, settings, &|share| control.report(0.9 * share))?;
+        return finish(judge, found, settings);
+    }
+    let explorer = Explorer::new(judge, settings, control);
+    let volume: f64 = open.iter().map(|(p, _)| p.piece.volume()).sum();
+    let covers: Vec<Cover> = open
+        .into_par_iter()
+        .map(|part| {
+            let share = part.0.piece.volume() / volume;
+            explorer.cover(part, 0, share)
+        })
+        .collect::<Result<_, _>>()?;
+    let mut all = Cover::default();
+    for cover in covers {
+        all.add(cover);
+    }
+    finish(judge, all, settings)
+}
+
+/// Cut until every part is proved, telling the share of the volume that is.
+///
+/// # Errors
+/// [`DecomposeError`].
+pub fn run(
+    judge: &Judge<'_>,
+    mut open: Vec<Open>,
+    settings: &SearchSettings,
+    report: &(dyn Fn(f64) + Sync),
+) -> Result<Cover, DecomposeError> {
+    let total_volume = open.iter().map(|(p, _)| p.piece.volume()).sum::<f64>();
     let mut open_volume = total_volume;
-    let mut witnesses = Vec::new();
-    let mut done: Vec<Proved> = Vec::new();
-    let mut parts: Vec<Piece> = Vec::new();
-    while !frontier.is_empty() {
+    let mut cover = Cover::default();
+    while !open.is_empty() {
         // All parts of one generation side by side; taken in their order, so
         // the result does not depend on who was first.
-        let steps: Vec<Step> = frontier
+        let steps: Vec<Step> = open
             .into_par_iter()
-            .map(|open| step(judge, open, settings))
+            .map(|part| step(judge, part, settings))
             .collect::<Result<_, _>>()?;
-        frontier = Vec::new();
-        for step in steps {
-            match step {
-                Step::Done {
-                    hull,
-                    thickening,
-                    piece,
-                } => {
-                    open_volume -= piece.volume();
-                    let members = vec![done.len() as u32];
-                    done.push(Proved {
-                        hull,
-                        thickening,
-                        members,
-                    });
-                    parts.push(piece);
-                }
-                Step::Cut { children, witness } => {
-                    witnesses.extend(witness);
-                    frontier.extend(children);
-                }
+        open = Vec::new();
+        for mut step in steps {
+            match &mut step {
+                Step::Done { piece, .. } => open_volume -= piece.volume(),
+                Step::Cut { children, .. } => open.append(children),
             }
+            cover.add(Cover::of(step));
         }
-        // Merging and the coarser levels are about a tenth of the work.
-        control.report(0.9 * (1.0 - open_volume / total_volume));
-        if done.len() + frontier.len() > MOST_PARTS {
+        report(1.0 - open_volume / total_volume);
+        if cover.hulls.len() + open.len() > MOST_PARTS {
             return Err(DecomposeError::TooManyParts { limit: MOST_PARTS });
         }
     }
+    Ok(cover)
+}
+
+/// Merge what can be merged.
+///
+/// # Errors
+/// [`DecomposeError::Cancelled`].
+pub fn finish(
+    judge: &Judge<'_>,
+    mut cover: Cover,
+    settings: &SearchSettings,
+) -> Result<Cover, DecomposeError> {
     if settings.merging {
-        done = merge(judge, done, &parts, settings.merge_order, &mut witnesses);
+        cover.hulls = merge(
+            judge,
+            cover.hulls,
+            &cover.parts,
+            settings.merge_order,
+            &mut cover.witnesses,
+        );
     }
-    if control.is_cancelled() {
+    if (judge.limits.cancelled)() {
         return Err(DecomposeError::Cancelled);
     }
-    Ok(Cover { hulls: done, parts })
+    Ok(cover)
 }
 
 /// What becomes of a part.
-enum Step {
+pub enum Step {
     /// Its hull is proved.
     Done {
+        /// The hull.
         hull: Mesh,
+        /// What is proved.
         thickening: Interval,
+        /// The part.
         piece: Piece,
     },
-    /// It was cut; the witness is why.
+    /// It was cut.
     Cut {
-        children: Vec<(Part, Lineage)>,
+        /// Where.
+        plane: Plane,
+        /// Into what.
+        children: Vec<Open>,
+        /// A point of the hull farther than ε from the solid, if that was the reason.
         witness: Option<DVec3>,
     },
 }
 
-fn step(
+/// Prove a part or cut it.
+///
+/// # Errors
+/// [`DecomposeError`].
+pub fn step(
     judge: &Judge<'_>,
-    (part, lineage): (Part, Lineage),
+    (part, lineage): Open,
     settings: &SearchSettings,
 ) -> Result<Step, DecomposeError> {
     if (judge.limits.cancelled)() {
@@ -146,6 +231,7 @@ fn step(
     };
     if is_void(judge.solid, &part.hull) {
         return Ok(Step::Cut {
+            plane: Plane::axis_aligned(0, 0.0),
             children: Vec::new(),
             witness: None,
         });
@@ -161,6 +247,7 @@ fn step(
     let children = part.split(plane).map_err(internal)?;
     let children = children.into_iter().enumerate();
     Ok(Step::Cut {
+        plane,
         children: children.map(|(i, c)| (c, lineage.child(i))).collect(),
         witness,
     })

@@ -10,6 +10,7 @@ pub mod convex;
 pub mod decomposition;
 pub mod engine;
 pub mod error;
+pub mod explore;
 pub mod finish;
 pub mod forbidden;
 pub mod hierarchy;

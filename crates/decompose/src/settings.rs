@@ -135,9 +135,9 @@ pub struct SearchSettings {
     pub prisms: Prisms,
     /// Which merges come first.
     pub merge_order: MergeOrder,
-    /// How many searches are run, each a variation of these settings; the one
-    /// that ends with the fewest hulls is kept.
-    pub variants: usize,
+    /// In how many ways (see [`SearchSettings::way`]) the parts of the first generations are
+    /// cut, each followed to its end; empty for one way everywhere.
+    pub ways: Vec<usize>,
 }
 
 impl Default for SearchSettings {
@@ -174,37 +174,21 @@ impl Default for SearchSettings {
             merging: true,
             prisms: Prisms::Plane,
             merge_order: MergeOrder::Relative,
-            variants: 1,
+            ways: Vec::new(),
         }
     }
 }
 
 impl SearchSettings {
-    /// Variation `k`; the first is the settings themselves. Which one wins is
-    /// different from part to part: other grids find other cuts, and the norm
-    /// decides whether small pieces are peeled or halves are made.
+    /// Way `k` of cutting; the first is the settings themselves, the second is ruled by the
+    /// worst part, which makes halves where the sum peels small pieces: of all variations tried
+    /// the two that differ most. Further ones have other grids.
     #[must_use]
-    pub fn variant(&self, k: usize) -> SearchSettings {
-        let grids = [0, 3, 1, 4, 2, 6, 5, 7];
-        let norms = [
-            None,
-            None,
-            Some(Norm::Sum(1.3)),
-            None,
-            Some(Norm::Worst),
-            None,
-            None,
-            None,
-        ];
+    pub fn way(&self, k: usize) -> SearchSettings {
         SearchSettings {
-            planes: self.planes + grids[k % grids.len()],
-            second: self.second + k % 3,
-            norm: norms[k % norms.len()].unwrap_or(self.norm),
-            excess: if k % 4 == 3 {
-                0.3 * self.excess
-            } else {
-                self.excess
-            },
+            planes: self.planes + [0, 2, 3, 1][k % 4],
+            second: self.second + [0, 1, 1, 0][k % 4],
+            norm: if k % 2 == 1 { Norm::Worst } else { self.norm },
             ..self.clone()
         }
     }
@@ -218,6 +202,10 @@ impl SearchSettings {
             value
                 .parse()
                 .map_err(|_| format!("parameter '{name}': '{value}' is not a number that fits"))
+        }
+        fn list(name: &str, value: &str) -> Result<Vec<usize>, String> {
+            let words = value.split(',').filter(|v| !v.is_empty());
+            words.map(|v| number(name, v.trim())).collect()
         }
         fn choice<T>(name: &str, value: &str, known: Option<T>, all: &str) -> Result<T, String> {
             known.ok_or_else(|| format!("parameter '{name}': '{value}' is none of {all}"))
@@ -279,13 +267,8 @@ impl SearchSettings {
             "slim" => self.slim = number(name, value)?,
             "merging" => self.merging = choice(name, value, switch(value), "on, off")?,
             "prisms" => self.prisms = choice(name, value, prisms(value), "plane, search")?,
-            "ladder" => {
-                self.ladder = value
-                    .split(',')
-                    .filter(|v| !v.is_empty())
-                    .map(|v| number(name, v.trim()))
-                    .collect::<Result<_, _>>()?;
-            }
+            "ladder" => self.ladder = list(name, value)?,
+            "ways" => self.ways = list(name, value)?,
             "depth" => self.depth = number(name, value)?,
             "iterations" => self.iterations = number(name, value)?,
             "seed" => self.seed = number(name, value)?,
@@ -304,7 +287,6 @@ impl SearchSettings {
             "faces" => self.faces = number(name, value)?,
             "face" => self.face = number(name, value)?,
             "second_faces" => self.second_faces = number(name, value)?,
-            "variants" => self.variants = number(name, value)?,
             _ => return Err(format!("'{name}' is no parameter of the search")),
         }
         Ok(())

@@ -83,7 +83,11 @@ pub fn cover(mesh: &Mesh, judge: &Judge<'_>, settings: &SearchSettings) -> Optio
         } else {
             hulls
         };
-        let found = Cover { hulls, parts };
+        let found = Cover {
+            hulls,
+            parts,
+            ..Cover::default()
+        };
         best = Some(match best {
             Some(best) if !is_better(&found, &best) => best,
             _ => found,
