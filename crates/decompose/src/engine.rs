@@ -365,7 +365,7 @@ fn halve(points: &[DVec3], open: &dyn Fn(DVec3) -> bool) -> Plane {
 mod tests {
     use super::*;
     use crate::decomposition::decompose;
-    use crate::settings::{Norm, PolicyChoice};
+    use crate::settings::{Norm, PolicyChoice, Prisms};
 
     /// A 1 × 1 × 2 body with a half as wide square hole through its length.
     fn long_hole() -> Mesh {
@@ -410,6 +410,7 @@ mod tests {
             excess: 1.0,
             merging: false,
             patience: 0,
+            prisms: Prisms::Search,
             ..SearchSettings::default()
         };
         let turned = SearchSettings {
@@ -426,6 +427,7 @@ mod tests {
         let with = |seed| SearchSettings {
             policy: PolicyChoice::Mcts,
             iterations: 40,
+            prisms: Prisms::Search,
             seed,
             ..SearchSettings::default()
         };

@@ -197,6 +197,8 @@ impl SearchSettings {
     ///
     /// # Errors
     /// A sentence that names the parameter or the value that does not fit.
+    // One arm a parameter.
+    #[allow(clippy::too_many_lines)]
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), String> {
         fn number<T: std::str::FromStr>(name: &str, value: &str) -> Result<T, String> {
             value

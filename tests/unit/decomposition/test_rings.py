@@ -45,7 +45,7 @@ def test_best_takes_no_more_hulls_and_the_same_on_any_threads():
 
 def test_seed_is_what_tree_search_draws_from():
     mesh = trimesh.creation.annulus(r_min=0.6, r_max=1.0, height=0.4, sections=24)
-    search = {"policy": "mcts", "sectors": "ignored", "iterations": 20}
+    search = {"policy": "mcts", "sectors": "ignored", "iterations": 20, "prisms": "search"}
 
     def points(seed):
         found = assetpipe.decompose(
