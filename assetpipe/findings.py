@@ -94,6 +94,7 @@ CODES: dict[str, str] = {
     "AP302": "tolerance not met under the budget",
     "AP303": "decomposition failed",
     "AP304": "tolerance is finer than the mesh resolves",
+    "AP305": "no inner hulls",
     # validation
     "AP401": "clearance error exceeds the certificate",
     "AP402": "new self-collision pair",

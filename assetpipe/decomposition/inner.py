@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -101,3 +101,25 @@ def inner_hulls(
         on_progress,
     )
     return tuple(InnerHull(vertices, faces, volume) for vertices, faces, volume in found)
+
+
+def united_volume(hulls: Sequence[InnerHull]) -> float:
+    """How much the hulls fill together, m³: what several share counts once.
+
+    By manifold3d; hulls too thin for it count nothing.
+    """
+    import manifold3d
+
+    from assetpipe.geometry.repair.unite import arrays_of, manifold_of
+
+    if not hulls:
+        return 0.0
+    corners = np.vstack([hull.vertices for hull in hulls])
+    middle, size = corners.mean(axis=0), float(np.ptp(corners, axis=0).max())
+    bodies = [manifold_of((hull.vertices - middle) / size, hull.faces) for hull in hulls]
+    union = manifold3d.Manifold.batch_boolean(
+        [body for body in bodies if body is not None], manifold3d.OpType.Add
+    )
+    if union.is_empty():
+        return 0.0
+    return Mesh(*arrays_of(union)).volume * size**3

@@ -53,6 +53,7 @@ def result_of(draft: Draft, proof: Proof) -> RobotResult:
                 places.get(element.job) if element.job is not None else None,
                 draft.files[element.kind, element.link, element.index] if decomposed else (),
                 tuple(tuple(float(v) for v in row) for row in element.link_from_shape),
+                draft.inner_files.get((element.kind, element.link, element.index), ()),
             )
         )
     outcomes = [draft.outcomes[job] for job, _ in draft.meshes]

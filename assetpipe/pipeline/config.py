@@ -33,6 +33,7 @@ Engine = Literal["assetpipe", "coacd", "vhacd", "hull"]
 Cavities = Literal["fill", "keep"]
 RepairMode = Literal["strict", "auto", "off"]
 Shapes = Literal["hulls", "primitives", "primitives_and_capsules"]
+Inner = Literal["none", "write"]
 Format = Literal["urdf"]
 Check = Literal["contact", "self_collision", "engine"]
 
@@ -134,7 +135,8 @@ class Limits(_Frozen):
     Attributes:
         faces: triangles read.
         file_size: bytes of the mesh file.
-        seconds: wall-clock time from reading to hulls, and again for validation.
+        seconds: wall-clock time from reading to hulls, again for inner hulls, and again for
+            validation.
         memory: bytes of address space of the process that works on the mesh.
     """
 
@@ -198,6 +200,8 @@ class Config(_Frozen):
             which not every URDF reader knows.
         overlap: metres by which neighbouring hulls overlap across their seams, as far as that
             is proved.
+        inner: ``write`` writes convex polytopes proved to be inside the repaired mesh into
+            ``inner_hulls``, beside the hulls; no URDF refers to them.
         formats: robot descriptions to write.
         jobs: meshes worked on at once; ``None`` is one a core.
         repair: how broken meshes are made solids.
@@ -221,6 +225,7 @@ class Config(_Frozen):
     reach: Metres = 0.0
     shapes: Shapes = "hulls"
     overlap: Metres = 0.0
+    inner: Inner = "none"
     formats: tuple[Format, ...] = Field(default=("urdf",), min_length=1)
     jobs: int | None = Field(default=None, ge=1, le=1024)
     repair: RepairSettings = RepairSettings()

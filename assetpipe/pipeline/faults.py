@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from assetpipe.findings import Finding, Severity
 from assetpipe.pipeline.executors import Fault, Reply
 from assetpipe.pipeline.outcome import MeshOutcome
@@ -19,9 +21,7 @@ def outcome_of(reply: Reply) -> MeshOutcome:
     if reply.payload is None:
         return MeshOutcome("kept", (), (finding,), {})
     partial = MeshOutcome.decode(reply.payload)
-    return MeshOutcome(
-        partial.state, partial.hulls, (*partial.findings, finding), partial.facts, partial.solid
-    )
+    return replace(partial, findings=(*partial.findings, finding))
 
 
 def finding_of_fault(fault: Fault) -> Finding:
@@ -31,6 +31,9 @@ def finding_of_fault(fault: Fault) -> Finding:
         return Finding(
             "AP411", Severity.WARNING, f"contact truth could not be told: {fault.message}"
         )
+    if fault.stage == "inner":
+        told = f"inner hulls could not be computed, and nothing was validated: {fault.message}"
+        return Finding("AP305", Severity.WARNING, told)
     if fault.kind in ("time", "memory"):
         code = "AP301" if fault.stage == "decompose" else "AP206"
         limit = "seconds" if fault.kind == "time" else "memory"

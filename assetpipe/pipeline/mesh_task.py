@@ -1,8 +1,8 @@
-"""One distinct mesh: read → examine → repair → decompose → contact truth.
+"""One distinct mesh: read → examine → repair → decompose → inner hulls → contact truth.
 
 Runs in a worker process. What goes wrong with the mesh is a finding in the answer;
-the hulls are handed over before they are validated, so that a validation that fails
-does not cost them.
+the hulls are handed over before inner ones are sought and before they are validated, so
+that what fails then does not cost them.
 """
 
 from __future__ import annotations
@@ -52,14 +52,21 @@ def work(request: Mapping[str, Any], reporter: Reporter) -> MeshOutcome:
     made = _decompose(repaired.solid, request, facts, findings, reporter)
     if made is None:
         return kept()
-    solid, hulls = made
-    outcome = MeshOutcome("decomposed", hulls, tuple(findings), facts, solid)
-    if request["contact"] is None:
-        return outcome
-    reporter.partial(outcome.encode())
-    reporter.stage("validate")
-    _contact(solid, hulls, request["contact"], facts, findings)
-    return MeshOutcome("decomposed", hulls, tuple(findings), facts, solid)
+    given, solid, hulls = made
+    inner: tuple[Mesh, ...] = ()
+
+    def decomposed() -> MeshOutcome:
+        return MeshOutcome("decomposed", hulls, tuple(findings), facts, solid, inner)
+
+    if request["params"]["inner"] == "write":
+        reporter.partial(decomposed().encode())
+        reporter.stage("inner")
+        inner = _inner(given, facts, findings, reporter)
+    if request["contact"] is not None:
+        reporter.partial(decomposed().encode())
+        reporter.stage("validate")
+        _contact(solid, hulls, request["contact"], facts, findings)
+    return decomposed()
 
 
 def _read(
@@ -153,8 +160,8 @@ def _decompose(
     facts: dict[str, Any],
     findings: list[Finding],
     reporter: Reporter,
-) -> tuple[Mesh, tuple[HullOutcome, ...]] | None:
-    """The hulls and the solid that they stand for, with what was closed."""
+) -> tuple[Mesh, Mesh, tuple[HullOutcome, ...]] | None:
+    """The solid, the same with what was closed, and the hulls that stand for the latter."""
     from assetpipe.decomposition import decompose_with
 
     params = request["params"]
@@ -225,7 +232,36 @@ def _decompose(
                 hint=_budget_hint(params),
             )
         )
-    return result.closed_solid or solid, hulls
+    return result.solid or solid, result.closed_solid or solid, hulls
+
+
+def _inner(
+    solid: Mesh, facts: dict[str, Any], findings: list[Finding], reporter: Reporter
+) -> tuple[Mesh, ...]:
+    """What :attr:`assetpipe.Decomposition.inner` holds: about the mesh after repair, without
+    what nothing can reach."""
+    from assetpipe.decomposition.inner import inner_hulls, united_volume
+
+    try:
+        found = inner_hulls(
+            solid,
+            0.5 * facts["tolerance"],
+            on_progress=lambda done: reporter.stage("inner", float(done)),
+        )
+    except (EngineError, LimitError, MeshError) as error:
+        told = f"inner hulls could not be computed: {error.message}"
+        findings.append(Finding("AP305", Severity.WARNING, told))
+        return ()
+    if not found:
+        findings.append(Finding("AP305", Severity.NOTE, "no convex polytope was found inside"))
+    volume = united_volume(found)
+    facts["inner"] = {
+        "hulls": len(found),
+        "vertices": sum(len(hull.vertices) for hull in found),
+        "volume": volume,
+        "share": volume / solid.volume,
+    }
+    return tuple(hull.mesh for hull in found)
 
 
 def _budget_hint(params: Mapping[str, Any]) -> str:

@@ -21,7 +21,7 @@ from assetpipe.errors import InputError
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.mesh import Mesh
 
-MAGIC = b"assetpipe-outcome 2\n"
+MAGIC = b"assetpipe-outcome 3\n"
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,7 @@ class MeshOutcome:
         facts: JSON-ready: ``faces``, ``health``, ``repair``, ``tolerance`` (metres),
             ``certificate``, ``contact`` and what else the report tells.
         solid: what the hulls stand for, same frame; ``None`` if kept.
+        inner: convex polytopes inside the repaired mesh, same frame, if they were asked for.
     """
 
     state: Literal["decomposed", "kept"]
@@ -66,6 +67,7 @@ class MeshOutcome:
     findings: tuple[Finding, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     solid: Mesh | None = None
+    inner: tuple[Mesh, ...] = ()
 
     def encode(self) -> bytes:
         """The bytes that :meth:`decode` reads; equal outcomes, equal bytes."""
@@ -83,12 +85,13 @@ class MeshOutcome:
                 for h in self.hulls
             ],
             "solid": _size(self.solid) if self.solid is not None else None,
+            "inner": [_size(mesh) for mesh in self.inner],
         }
         parts = [json.dumps(head, sort_keys=True, separators=(",", ":")).encode(), b"\n"]
-        for mesh in [h.mesh for h in self.hulls] + [self.solid] * (self.solid is not None):
-            if mesh is not None:
-                parts.append(mesh.vertices.astype("<f8").tobytes())
-                parts.append(mesh.faces.astype("<i4").tobytes())
+        solid = () if self.solid is None else (self.solid,)
+        for mesh in (*(h.mesh for h in self.hulls), *solid, *self.inner):
+            parts.append(mesh.vertices.astype("<f8").tobytes())
+            parts.append(mesh.faces.astype("<i4").tobytes())
         body = b"".join(parts)
         return MAGIC + hashlib.sha256(body).hexdigest().encode() + b"\n" + body
 
@@ -128,6 +131,7 @@ class MeshOutcome:
             tuple(_finding_of(f) for f in head["findings"]),
             head["facts"],
             mesh(head["solid"]) if head["solid"] else None,
+            tuple(mesh(size) for size in head["inner"]),
         )
 
 

@@ -36,7 +36,7 @@ from assetpipe.robot import (
     Sphere,
     write_urdf,
 )
-from assetpipe.robot.packaging import Copy, HullPlace, Layout, lay_out
+from assetpipe.robot.packaging import INNER, Copy, HullPlace, Layout, lay_out
 
 Key = tuple[Source, str, int]
 """Kind, link and index of an element."""
@@ -67,6 +67,7 @@ class Draft:
         elements: what became of every collision element.
         meshes: index of the job and its outcome, for every mesh of this robot.
         files: hull files by kind, link and index of the element, relative to the stage.
+        inner_files: files of inner hulls, likewise.
         urdf: the written URDF, relative to the stage; ``None`` for a bare mesh.
         inputs: SHA-256 by absolute path of every file that was read or copied.
         named_inputs: SHA-256 by a name that is the same on every machine.
@@ -81,6 +82,7 @@ class Draft:
     elements: tuple[Element, ...]
     meshes: tuple[tuple[int, Done], ...]
     files: Mapping[Key, tuple[str, ...]] = field(default_factory=dict)
+    inner_files: Mapping[Key, tuple[str, ...]] = field(default_factory=dict)
     urdf: str | None = None
     inputs: Mapping[str, str] = field(default_factory=dict)
     named_inputs: Mapping[str, str] = field(default_factory=dict)
@@ -121,17 +123,23 @@ def draft(stage: Stage, read: Read, number: int, worked: Worked, config: Config)
 def _bare(start: Draft) -> Draft:
     """Hulls of a mesh file, beside each other."""
     path = start.read.source.path
-    files = {
-        (element.kind, element.link, element.index): tuple(
+    files: dict[Key, tuple[str, ...]] = {}
+    inner: dict[Key, tuple[str, ...]] = {}
+    for element, outcome in zip(start.elements, start.outcomes.values(), strict=True):
+        key = (element.kind, element.link, element.index)
+        files[key] = tuple(
             _write_hull(start.stage, f"{path.stem}_hull_{index:03d}.obj", outcome, index)
             for index in range(len(outcome.hulls))
         )
-        for element, outcome in zip(start.elements, start.outcomes.values(), strict=True)
-    }
+        inner[key] = tuple(
+            _write_inner(start.stage, f"{INNER}/{path.stem}_inner_{index:03d}.obj", outcome, index)
+            for index in range(len(outcome.inner))
+        )
     digest = start.jobs[start.meshes[0][0]].digest
     return replace(
         start,
         files=files,
+        inner_files=inner,
         inputs={str(path): digest},
         named_inputs={path.name: digest},
         roots=(path.parent,),
@@ -153,6 +161,7 @@ def _robot(start: Draft, config: Config) -> Draft:
     layout = lay_out(robot, replaced=replaced)
     places = _shared(decomposed, layout)
     files: dict[tuple[int, HullPlace], tuple[str, ...]] = {}
+    inner: dict[tuple[int, HullPlace], tuple[str, ...]] = {}
     for element in decomposed:
         place = places[element.kind, element.link, element.index]
         assert element.job is not None  # noqa: S101 - decomposed elements have one
@@ -162,18 +171,20 @@ def _robot(start: Draft, config: Config) -> Draft:
                 _write_hull(stage, str(place.path(index)), outcome, index)
                 for index in range(len(outcome.hulls))
             )
+            inner[element.job, place] = tuple(
+                _write_inner(stage, str(place.inner_path(index)), outcome, index)
+                for index in range(len(outcome.inner))
+            )
     replacements, additions = new_collisions(start, places)
     stage.path(str(layout.urdf)).write_bytes(write_urdf(robot, replacements, additions))
     for copy in layout.copies:
         shutil.copyfile(copy.source, stage.path(str(copy.to)))
     inputs, named = _inputs(start, layout.copies)
+    keys = {(e.kind, e.link, e.index): e.job for e in decomposed if e.job is not None}
     return replace(
         start,
-        files={
-            (e.kind, e.link, e.index): files[e.job, places[e.kind, e.link, e.index]]
-            for e in decomposed
-            if e.job is not None
-        },
+        files={key: files[job, places[key]] for key, job in keys.items()},
+        inner_files={key: inner[job, places[key]] for key, job in keys.items()},
         urdf=str(layout.urdf),
         inputs=inputs,
         named_inputs=named,
@@ -287,4 +298,14 @@ def _write_hull(stage: Stage, name: str, outcome: MeshOutcome, index: int) -> st
         f"metres, thickening at most {hull.thickening[1]!r} m{around}"
     )
     stage.path(name).write_bytes(obj_text(hull.mesh, comment=comment))
+    return name
+
+
+def _write_inner(stage: Stage, name: str, outcome: MeshOutcome, index: int) -> str:
+    """Write one inner hull; its path in the stage."""
+    comment = (
+        f"assetpipe {assetpipe.__version__}: inner hull {index + 1} of {len(outcome.inner)}, "
+        "metres, proved to be inside the mesh after repair; not for the URDF"
+    )
+    stage.path(name).write_bytes(obj_text(outcome.inner[index], comment=comment))
     return name

@@ -155,6 +155,7 @@ def _job(
             "reach": config.reach,
             "shapes": config.shapes,
             "overlap": config.overlap,
+            "inner": config.inner,
             "repair": config.repair.mode,
             "repair_budget": [
                 budget.value,

@@ -64,6 +64,7 @@ class CollisionResult:
         treatment: ``kept`` and ``primitive`` elements are as they were.
         mesh: index into :attr:`RobotResult.meshes`, if there is one.
         files: hull files in OUT, in order.
+        inner_files: files of inner hulls in OUT, largest first; empty if none were asked for.
         link_from_shape: rows of the (4, 4) matrix.
     """
 
@@ -73,6 +74,7 @@ class CollisionResult:
     mesh: int | None = None
     files: tuple[str, ...] = ()
     link_from_shape: tuple[tuple[float, ...], ...] = ()
+    inner_files: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -82,6 +84,7 @@ class CollisionResult:
             "treatment": self.treatment,
             "mesh": self.mesh,
             "files": list(self.files),
+            "inner_files": list(self.inner_files),
             "link_from_shape": [list(row) for row in self.link_from_shape],
         }
 
@@ -95,6 +98,7 @@ class CollisionResult:
             data["mesh"],
             tuple(data["files"]),
             tuple(tuple(row) for row in data["link_from_shape"]),
+            tuple(data["inner_files"]),
         )
 
 
@@ -244,7 +248,11 @@ class RobotResult:
             name: replace(
                 link,
                 collisions=tuple(
-                    replace(e, files=tuple(prefix + file for file in e.files))
+                    replace(
+                        e,
+                        files=tuple(prefix + file for file in e.files),
+                        inner_files=tuple(prefix + file for file in e.inner_files),
+                    )
                     for e in link.collisions
                 ),
             )

@@ -46,6 +46,7 @@ def show_build(
     for robot in record["robots"]:
         if robot["meshes"]:
             console.print(_meshes(robot, seconds))
+            _show_inner(console, robot["meshes"])
         else:
             console.print(f"[bold]{escape(robot['name'])}[/bold]: no collision meshes")
         show_checks(console, robot["validation"])
@@ -117,6 +118,13 @@ def _meshes(robot: Mapping[str, Any], seconds: Mapping[str, float | None] | None
             row.append("cached" if took is None else f"{took:.2f}")
         table.add_row(*row)
     return table
+
+
+def _show_inner(console: Console, meshes: Sequence[Mapping[str, Any]]) -> None:
+    told = [mesh["inner"] for mesh in meshes if "inner" in mesh]
+    if told:
+        count, least = sum(item["hulls"] for item in told), min(item["share"] for item in told)
+        console.print(f"  {count} inner hulls fill at least {least:.1%} of every solid")
 
 
 def show_checks(console: Console, validation: Mapping[str, Any]) -> None:

@@ -36,6 +36,8 @@ from assetpipe.robot.model import Reference, Robot
 
 HULLS = "collision_hulls"
 """Name of the folders that hold hulls."""
+INNER = "inner_hulls"
+"""Name of the folders that hold inner hulls."""
 
 _UNSAFE = re.compile(r"[^A-Za-z0-9._-]+")
 _LONGEST = 60
@@ -58,11 +60,13 @@ class HullPlace:
         folder: relative to OUT.
         prefix: what references to files in that folder begin with, ``/`` at its end.
         stem: what the files' names begin with.
+        inner: folder of the inner hulls, relative to OUT; nothing refers to them.
     """
 
     folder: PurePosixPath
     prefix: str
     stem: str
+    inner: PurePosixPath
 
     def name(self, number: int) -> str:
         """File name of a hull: ``<link>_<index>_hull_000.obj``."""
@@ -71,6 +75,10 @@ class HullPlace:
     def path(self, number: int) -> PurePosixPath:
         """The hull's file relative to OUT."""
         return self.folder / self.name(number)
+
+    def inner_path(self, number: int) -> PurePosixPath:
+        """File of an inner hull relative to OUT: ``<link>_<index>_inner_000.obj``."""
+        return self.inner / f"{self.stem}_inner_{number:03d}.obj"
 
     def uri(self, number: int) -> str:
         """The reference to the hull for the URDF."""
@@ -140,11 +148,15 @@ def _unclaimed(plan: _Plan, reference: Reference, shelf: str, taken: set[str]) -
     stem = f"{safe_name(reference.link or '')}_{kind}{reference.index}"
     place = plan.hull_place(reference, stem, shelf)
     number = 1
-    while str(place.folder).casefold() in taken:
+    while not taken.isdisjoint(_folded(place)):
         number += 1
         place = plan.hull_place(reference, f"{stem}_{number}", shelf)
-    taken.add(str(place.folder).casefold())
+    taken.update(_folded(place))
     return place
+
+
+def _folded(place: HullPlace) -> set[str]:
+    return {str(folder).casefold() for folder in (place.folder, place.inner)}
 
 
 class _Plan:
@@ -193,16 +205,21 @@ class _Plan:
     def hull_place(self, reference: Reference, stem: str, shelf: str) -> HullPlace:
         """Beside the mesh, referred to in its style."""
         resolution = reference.resolution
-        below = "/".join(part for part in (HULLS, safe_name(shelf) if shelf else "", stem) if part)
+        own = f"{safe_name(shelf)}/{stem}" if shelf else stem
+        below = f"{HULLS}/{own}"
         if resolution.means == "file":
-            return HullPlace(_inside(self.folder, below), f"{below}/", stem)
+            inside = _inside(self.folder, f"{INNER}/{own}")
+            return HullPlace(_inside(self.folder, below), f"{below}/", stem, inside)
         shown = _shelf_of(resolution.rest, resolution.package)
-        inner = f"{shown}/{below}" if shown else below
+        above = f"{shown}/" if shown else ""
+        outer, inner = above + below, f"{above}{INNER}/{own}"
         if resolution.package is None:
-            return HullPlace(_inside(self.folder, inner), f"{inner}/", stem)
+            folder = self.folder
+            return HullPlace(_inside(folder, outer), f"{outer}/", stem, _inside(folder, inner))
         scheme = "model" if reference.uri.lower().startswith("model:") else "package"
-        folder = _inside(self._workspace / resolution.package, inner)
-        return HullPlace(folder, f"{scheme}://{resolution.package}/{inner}/", stem)
+        folder = self._workspace / resolution.package
+        prefix = f"{scheme}://{resolution.package}/{outer}/"
+        return HullPlace(_inside(folder, outer), prefix, stem, _inside(folder, inner))
 
     def copies(
         self, references: Iterable[Reference]

@@ -10,6 +10,7 @@ from manifold3d import Manifold
 
 import assetpipe
 from assetpipe.decomposition import decompose_with, inner_hulls
+from assetpipe.decomposition.inner import InnerHull, united_volume
 from assetpipe.errors import CancelledError, MeshError, UsageError
 from assetpipe.geometry import Mesh
 
@@ -146,3 +147,16 @@ def test_what_cannot_be_asked_is_refused():
         inner_hulls(Mesh(mesh.vertices, mesh.faces[1:]), 0.1)
     with pytest.raises(CancelledError):
         inner_hulls(solid(crowd(np.random.default_rng(9), 60)), 1e-4, on_progress=lambda _: False)
+
+
+def test_what_several_share_is_counted_once():
+    far = 1e6  # a part far from its origin loses nothing
+    boxes = [
+        solid(box((2, 1, 1), (far, 0, 0))),
+        solid(box((2, 1, 1), (far + 1, 0, 0))),
+        solid(box((1, 1, 1), (far, 0, 5))),
+    ]
+    hulls = [InnerHull(mesh.vertices, mesh.faces, mesh.volume) for mesh in boxes]
+    assert united_volume(hulls) == pytest.approx(4.0, rel=1e-9)
+    assert united_volume(hulls[:1]) == pytest.approx(2.0, rel=1e-9)
+    assert united_volume([]) == 0.0

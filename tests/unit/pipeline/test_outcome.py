@@ -15,6 +15,8 @@ OUTCOME = MeshOutcome(
     (HullOutcome(TETRAHEDRON, (0.0, 1e-3), (0.1, 0.2)), HullOutcome(TETRAHEDRON, (0.0, 2e-3))),
     (Finding("AP201", Severity.NOTE, "welded", hint="none"),),
     {"faces": 4, "repair": {"moved": 0.1}},
+    solid=TETRAHEDRON,
+    inner=(TETRAHEDRON.scaled(np.full(3, 0.5)), TETRAHEDRON),
 )
 
 
@@ -27,6 +29,9 @@ def test_survives_its_bytes() -> None:
     assert back.hulls[0].concavity == (0.1, 0.2)
     assert back.hulls[1].concavity is None
     np.testing.assert_array_equal(back.hulls[0].mesh.vertices, TETRAHEDRON.vertices)
+    for old, new in zip(OUTCOME.inner, back.inner, strict=True):
+        np.testing.assert_array_equal(new.vertices, old.vertices)
+        np.testing.assert_array_equal(new.faces, old.faces)
 
 
 def test_any_flipped_byte_is_noticed() -> None:

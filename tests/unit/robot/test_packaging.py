@@ -278,6 +278,32 @@ def test_what_was_built_can_be_built_again(tmp_path: Path) -> None:
     assert str(layout.hulls["collision", "Arm link", 1].folder) not in kept
 
 
+def test_inner_hulls_lie_beside_hulls_and_never_where_something_is_copied_to(
+    tmp_path: Path,
+) -> None:
+    mesh(tmp_path / "meshes" / "a.obj")
+    mesh(tmp_path / "meshes" / "inner_hulls" / "Arm_link_0" / "b.obj")
+    text = '<robot name="r"><link name="Arm_link">{}</link></robot>'
+    shape = '<{0}><geometry><mesh filename="{1}"/></geometry></{0}>'
+    both = shape.format("collision", "meshes/a.obj") + shape.format(
+        "visual", "meshes/inner_hulls/Arm_link_0/b.obj"
+    )
+    (tmp_path / "plain.urdf").write_text(text.format(shape.format("collision", "meshes/a.obj")))
+    (tmp_path / "taken.urdf").write_text(text.format(both))
+    found = []
+    for name in ("plain.urdf", "taken.urdf"):
+        layout = lay_out(read_robot(tmp_path / name, resolver=Resolver()).robot)
+        place = layout.hulls["collision", "Arm_link", 0]
+        found.append((str(place.path(0)), str(place.inner_path(12))))
+    assert found == [
+        (
+            f"meshes/collision_hulls/{stem}/{stem}_hull_000.obj",
+            f"meshes/inner_hulls/{stem}/{stem}_inner_012.obj",
+        )
+        for stem in ("Arm_link_0", "Arm_link_0_2")
+    ]
+
+
 def test_robots_that_share_a_package_are_kept_apart(tmp_path: Path) -> None:
     manifest(tmp_path / "in", "arm")
     mesh(tmp_path / "in" / "meshes" / "a.obj")
