@@ -22,6 +22,18 @@ from assetpipe.cli.options import STDOUT, JsonCommand
 )
 @click.option("--explain", is_flag=True, help="Say what scenes would simulate and why, no more.")
 @click.option("--sensitivity", is_flag=True, help="Answer scenes with every effect toggled, too.")
+@click.option(
+    "--srdf-out",
+    type=click.Path(path_type=Path),
+    metavar="F",
+    help="Write pairs that a planner need not ask.",
+)
+@click.option(
+    "--srdf",
+    type=click.Path(path_type=Path),
+    metavar="F",
+    help="Add them to this SRDF; every byte of it stays.",
+)
 @click.option("--config", "config_name", metavar="FILE|NAME", help="As for build.")
 @click.option("--jobs", type=click.IntRange(1, 1024), metavar="N", help="Processes; one a core.")
 @options.json_option
@@ -35,11 +47,13 @@ def command(robots: tuple[Path, ...], **given: Any) -> int:
 
     \b
     assetpipe validate robot.urdf out/
+    assetpipe validate robot.urdf out/ --srdf robot.srdf --srdf-out out/robot.srdf
     assetpipe validate --scene drawer_opens_by_handle --sensitivity
     assetpipe validate --scene my_scene.yaml --explain
     """
     from assetpipe.cli.interrupt import requested
     from assetpipe.cli.progress import progress_bar
+    from assetpipe.cli.srdf import deliver_srdf, given_srdf
     from assetpipe.errors import UsageError
     from assetpipe.pipeline.compare import explain, validate
     from assetpipe.report.terminal import console_for
@@ -60,7 +74,10 @@ def command(robots: tuple[Path, ...], **given: Any) -> int:
         if given["json_file"] != STDOUT:
             show_plans(console, plans)
         return 0
+    srdf = given_srdf(given, robots)
     config = options.config_from(given)
+    if given["srdf_out"] is not None and "self_collision" not in config.validation.checks:
+        raise UsageError("--srdf-out needs the check self_collision, which the config leaves out")
     with progress_bar() as listener:
         result = validate(
             original,
@@ -71,6 +88,8 @@ def command(robots: tuple[Path, ...], **given: Any) -> int:
             on_progress=listener,
             cancel=requested,
         )
+    if given["srdf_out"] is not None:
+        deliver_srdf(srdf, given["srdf"], result, given["srdf_out"])
     options.deliver_json(given["json_file"], {**result.as_dict(), "seconds": result.seconds})
     if given["json_file"] != STDOUT:
         show_validation(console, result)

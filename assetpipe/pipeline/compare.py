@@ -19,6 +19,7 @@ from assetpipe.pipeline.executors.local import LocalExecutor
 from assetpipe.pipeline.executors.task import Cancelled
 from assetpipe.pipeline.faults import outcome_of
 from assetpipe.pipeline.outcome import MeshOutcome
+from assetpipe.pipeline.planner_pairs import planner_pairs
 from assetpipe.pipeline.progress import Listener, Progress, Token, cancelled_by, silent
 from assetpipe.pipeline.proof import said
 from assetpipe.pipeline.result import exit_code
@@ -37,6 +38,7 @@ from assetpipe.robot import (
 if TYPE_CHECKING:
     from assetpipe.validation.effects import Plan
     from assetpipe.validation.runners import SceneResult
+    from assetpipe.validation.srdf import DisabledPair
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ class Validation:
         scenes: results in the order that was asked.
         findings: of everything.
         seconds: the whole took.
+        disabled: pairs that a planner need not ask; empty if self-collision was not told.
     """
 
     original: Path | None
@@ -59,6 +62,7 @@ class Validation:
     scenes: tuple[SceneResult, ...]
     findings: tuple[Finding, ...]
     seconds: float = 0.0
+    disabled: tuple[DisabledPair, ...] = ()
 
     @property
     def exit_code(self) -> int:
@@ -210,6 +214,16 @@ def _compare(
         on_progress(Progress("self_collision", before.robot.name, len(tasks), len(tasks)))
         validation, more = _whole(before.robot, built, by_link, config, cancelled)
         findings += more
+    disabled: tuple[DisabledPair, ...] = ()
+    if "self_collision" in validation:
+        shaped = {link.name for link in after.robot.links if link.collisions}
+        whole = {
+            link.name
+            for link, old, new in pairs
+            if len(old) == len(link.collisions)
+            and len(new) == len(after.robot.link_map[link.name].collisions)
+        }
+        disabled = planner_pairs(validation["self_collision"], shaped, whole)
     return Validation(
         original,
         built,
@@ -217,6 +231,7 @@ def _compare(
         validation,
         (),
         (*before.findings, *after.findings, *findings),
+        disabled=disabled,
     )
 
 

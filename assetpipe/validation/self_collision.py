@@ -47,6 +47,12 @@ class PairChange:
             "allowed": self.allowed,
         }
 
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> PairChange:
+        """From :meth:`as_dict`."""
+        pair = _pair_of(data["pair"])
+        return cls(pair, data["configurations"], data["first"], data["gap"], data["allowed"])
+
 
 @dataclass(frozen=True)
 class SelfCollisions:
@@ -85,6 +91,18 @@ class SelfCollisions:
             "new": [c.as_dict() for c in self.new],
             "vanished": [c.as_dict() for c in self.vanished],
         }
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> SelfCollisions:
+        """From :meth:`as_dict`."""
+        kinds = ("excluded", "home_before", "home_after", "always_before", "never_before")
+        return cls(
+            configurations=data["configurations"],
+            pairs=data["pairs"],
+            **{kind: tuple(_pair_of(pair) for pair in data[kind]) for kind in kinds},
+            new=tuple(PairChange.of(change) for change in data["new"]),
+            vanished=tuple(PairChange.of(change) for change in data["vanished"]),
+        )
 
     def findings(self) -> tuple[Finding, ...]:
         """New and vanished pairs as findings."""
@@ -146,6 +164,11 @@ def adjacent_pairs(joints: Iterable[tuple[str, str, str]]) -> tuple[Pair, ...]:
         if kind != "fixed":
             pairs |= {_pair(a, b) for a in members[root(parent)] for b in members[root(child)]}
     return tuple(sorted(p for p in pairs if p[0] != p[1]))
+
+
+def _pair_of(names: Sequence[str]) -> Pair:
+    a, b = names
+    return (a, b)
 
 
 def _pair(a: str, b: str) -> Pair:
