@@ -566,6 +566,15 @@ def check_files(verdict: Verdict, out: Path, report: dict, original: Path) -> No
     there = {p.relative_to(out).as_posix() for p in out.rglob("*_hull_*.obj")}
     stray = sorted(there - listed)
     verdict.expect(not stray, f"hull files that the report does not name: {stray[:3]}")
+    inner = {
+        file
+        for robot in report["robots"]
+        for link in robot["links"].values()
+        for element in elements_of(link)
+        for file in element.get("inner_files", [])
+    }
+    there = {p.relative_to(out).as_posix() for p in out.rglob("inner_hulls/**/*.obj")}
+    verdict.expect(there == inner, f"inner hulls on disk and told: {sorted(there ^ inner)[:3]}")
     provenance = json.loads((out / "assetpipe.json").read_text())
     outputs = provenance["outputs"]
     disk = {
