@@ -3,6 +3,9 @@
 //! Only metrics that look at the part itself need this; the search and the
 //! thickening towards the whole solid do without.
 
+use std::collections::BTreeMap;
+
+use assetpipe_geometry::clip::subdivide;
 use assetpipe_geometry::planar::{fill, Edge};
 use assetpipe_geometry::{Mesh, Plane};
 use glam::{DVec2, DVec3};
@@ -71,20 +74,42 @@ pub fn close(pieces: &[&Piece]) -> Mesh {
             .cmp(&bits(&b.0))
             .then((a.1, a.2).cmp(&(b.1, b.2)))
     });
+    let mut divided = BTreeMap::new();
     for run in borders.chunk_by(|a, b| bits(&a.0) == bits(&b.0)) {
-        cap(&mut mesh, &run[0].0, run);
+        cap(&mut mesh, &run[0].0, run, &mut divided);
     }
     mesh.triangles
         .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
     mesh
 }
 
-/// Fill what the border segments on one plane bound.
-fn cap(mesh: &mut Mesh, plane: &Plane, borders: &[(Plane, u32, u32)]) {
+/// Edges (lesser index first) that run through another vertex, with that vertex.
+type Divided = BTreeMap<(u32, u32), u32>;
+
+/// Divisions of one border segment at most.
+const DIVISIONS: usize = 1000;
+
+/// A border segment by the parts that earlier caps have divided it into.
+fn parts_of(segment: (u32, u32), divided: &Divided) -> Vec<(u32, u32)> {
+    let (mut parts, mut open) = (Vec::new(), vec![segment]);
+    while let Some((a, b)) = open.pop() {
+        match divided.get(&(a.min(b), a.max(b))) {
+            Some(&m) if parts.len() < DIVISIONS => open.extend([(m, b), (a, m)]),
+            _ => parts.push((a, b)),
+        }
+    }
+    parts
+}
+
+/// Fill what the border segments on one plane bound. Points that the filling puts on its
+/// border go into the triangles on the other side of it too, or the surface would be open
+/// along slits of one rounding.
+fn cap(mesh: &mut Mesh, plane: &Plane, borders: &[(Plane, u32, u32)], divided: &mut Divided) {
     let mut net: Vec<(u32, u32, i32)> = borders
         .iter()
-        .filter(|b| b.1 != b.2)
-        .map(|&(_, a, b)| if a < b { (a, b, 1) } else { (b, a, -1) })
+        .flat_map(|&(_, a, b)| parts_of((a, b), divided))
+        .filter(|(a, b)| a != b)
+        .map(|(a, b)| if a < b { (a, b, 1) } else { (b, a, -1) })
         .collect();
     net.sort_unstable();
     let mut used: Vec<u32> = Vec::new();
@@ -134,6 +159,18 @@ fn cap(mesh: &mut Mesh, plane: &Plane, borders: &[(Plane, u32, u32)]) {
         to.push(mesh.vertices.len() as u32);
         mesh.vertices.push(x);
     }
+    let new: Divided = filling
+        .subdivided
+        .iter()
+        .map(|(&(a, b), &m)| {
+            let (a, b) = (to[a as usize], to[b as usize]);
+            ((a.min(b), a.max(b)), to[m as usize])
+        })
+        .collect();
+    if !new.is_empty() {
+        mesh.triangles = subdivide(&mesh.triangles, 0, &new);
+        divided.extend(new);
+    }
     mesh.triangles
         .extend(filling.triangles.iter().map(|t| t.map(|i| to[i as usize])));
 }
@@ -177,5 +214,33 @@ mod tests {
         assert!((volume(&most) - 0.75).abs() < 1e-12);
         let all = close(&[&low, &a, &b]);
         assert!((volume(&all) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_corner_on_another_border_divides_both_sides_of_it() {
+        let mut points: Vec<DVec3> = (0..8u32)
+            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
+            .collect();
+        let cube = convex_hull(&points).unwrap();
+        // A prism whose edge touches the middle of one side of the cube.
+        points = [0.0, 1.0]
+            .iter()
+            .flat_map(|&z| [(1.0, 0.3), (2.0, 0.0), (2.0, 1.0)].map(|(x, y)| DVec3::new(x, y, z)))
+            .collect();
+        let prism = convex_hull(&points).unwrap();
+        let mut both = cube.clone();
+        both.triangles.extend(
+            prism
+                .triangles
+                .iter()
+                .map(|t| t.map(|v| v + cube.vertices.len() as u32)),
+        );
+        both.vertices.extend(&prism.vertices);
+        let (low, high) = Piece::from(&both).split(Plane::axis_aligned(2, 0.5));
+        for half in [low, high] {
+            let mesh = close(&[&half]);
+            assert!(check_closed(&mesh).is_ok(), "{:?}", check_closed(&mesh));
+            assert!((volume(&mesh) - 0.75).abs() < 1e-12);
+        }
     }
 }

@@ -14,6 +14,7 @@ use glam::DVec3;
 pub use components::{components, label_components};
 pub use separate::separate;
 pub use split::{split, Split};
+pub use subdivide::subdivide;
 pub use volume::volume_below;
 
 /// Why a mesh cannot be cut.

@@ -14,7 +14,7 @@ type Item = ([u32; 3], [bool; 3]);
 /// subdivided side replaced by its parts. It ends: a side's parts are
 /// strictly shorter than the side, and seams are not subdivided, whatever
 /// their ends.
-pub(super) fn subdivide(
+pub fn subdivide(
     triangles: &[[u32; 3]],
     first: u32,
     subdivided: &BTreeMap<(u32, u32), u32>,
