@@ -6,6 +6,7 @@ use assetpipe_decompose::decomposition::{self as core, Decomposition};
 use assetpipe_decompose::reach;
 use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::distance::SolidIndex;
+use assetpipe_geometry::Mesh;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -134,13 +135,7 @@ pub fn thickening<'py>(
     on_progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Bounds>> {
     let solid = mesh(py, &vertices, &faces)?;
-    let mut meshes = Vec::with_capacity(hulls.len());
-    for (index, hull) in hulls.iter().enumerate() {
-        let points = points(py, hull)?;
-        let mesh = assetpipe_geometry::hull::convex_hull(&points)
-            .map_err(|e| mesh_error(py, &format!("hull {index}: {e}")))?;
-        meshes.push(mesh);
-    }
+    let meshes = convex_meshes(py, &hulls)?;
     let result = watch::run(py, on_progress, |control| {
         let cancelled = || control.is_cancelled();
         let limits = Limits {
@@ -173,13 +168,7 @@ pub fn thickening_within<'py>(
     on_progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Option<Bounds>>> {
     let solid = mesh(py, &vertices, &faces)?;
-    let mut meshes = Vec::with_capacity(hulls.len());
-    for (index, hull) in hulls.iter().enumerate() {
-        let points = points(py, hull)?;
-        let mesh = assetpipe_geometry::hull::convex_hull(&points)
-            .map_err(|e| mesh_error(py, &format!("hull {index}: {e}")))?;
-        meshes.push(mesh);
-    }
+    let meshes = convex_meshes(py, &hulls)?;
     watch::run(py, on_progress, |control| {
         let cancelled = || control.is_cancelled();
         let limits = Limits {
@@ -252,4 +241,13 @@ pub fn convex_hull<'py>(
         .map_err(|_| engine_error(py, "the hull failed; please report it with these points"))?;
     let hull = made.map_err(|e| mesh_error(py, &e.to_string()))?;
     Ok(arrays(py, &hull))
+}
+
+/// Exact hulls of point sets.
+fn convex_meshes(py: Python<'_>, hulls: &[PyReadonlyArray2<'_, f64>]) -> PyResult<Vec<Mesh>> {
+    let hull = |(index, at): (usize, &PyReadonlyArray2<'_, f64>)| {
+        assetpipe_geometry::hull::convex_hull(&points(py, at)?)
+            .map_err(|e| mesh_error(py, &format!("hull {index}: {e}")))
+    };
+    hulls.iter().enumerate().map(hull).collect()
 }

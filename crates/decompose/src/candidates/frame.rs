@@ -195,9 +195,8 @@ mod tests {
     use super::*;
     use assetpipe_geometry::hull::convex_hull;
 
-    #[test]
-    fn principal_axes_of_a_turned_brick_are_its_edges() {
-        let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
+    /// A brick of sides 3, 2 and 1, turned.
+    fn brick(turn: DMat3) -> Mesh {
         let corners: Vec<DVec3> = (0..8u32)
             .map(|i| {
                 turn * DVec3::new(
@@ -207,7 +206,13 @@ mod tests {
                 )
             })
             .collect();
-        let turned_back = principal(&convex_hull(&corners).unwrap()) * turn;
+        convex_hull(&corners).unwrap()
+    }
+
+    #[test]
+    fn principal_axes_of_a_turned_brick_are_its_edges() {
+        let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
+        let turned_back = principal(&brick(turn)) * turn;
         for column in [turned_back.x_axis, turned_back.y_axis, turned_back.z_axis] {
             assert!((column.abs().max_element() - 1.0).abs() < 1e-9);
         }
@@ -217,16 +222,7 @@ mod tests {
     #[test]
     fn a_turned_box_finds_its_axes() {
         let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
-        let corners: Vec<DVec3> = (0..8u32)
-            .map(|i| {
-                turn * DVec3::new(
-                    f64::from(i & 1) * 3.0,
-                    f64::from(i >> 1 & 1) * 2.0,
-                    f64::from(i >> 2),
-                )
-            })
-            .collect();
-        let mesh = convex_hull(&corners).unwrap();
+        let mesh = brick(turn);
         let frame = choose(&mesh);
         assert_ne!(frame, DMat3::IDENTITY);
         for t in 0..mesh.triangles.len() {
