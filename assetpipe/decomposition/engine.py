@@ -200,7 +200,8 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
     """
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
-    if cavities == "keep" and is_closed(mesh) and mesh.volume > 0:
+    closed, edges = _edges(mesh)
+    if cavities == "keep" and closed and mesh.volume > 0 and not _repeats_faces(mesh, edges):
         return mesh, None
     from assetpipe.geometry import RepairPolicy, repair
 
@@ -215,10 +216,27 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
 
 def is_closed(mesh: Mesh) -> bool:
     """Whether every edge is used as often in one sense as in the other."""
+    return _edges(mesh)[0]
+
+
+def _edges(mesh: Mesh) -> tuple[bool, int]:
+    """Whether every edge is used as often in one sense as in the other; number of edges."""
     faces = mesh.faces
     start = faces.ravel()
     end = np.roll(faces, -1, axis=1).ravel()
     key = np.minimum(start, end) * len(mesh.vertices) + np.maximum(start, end)
-    _, inverse = np.unique(key, return_inverse=True)
+    distinct, inverse = np.unique(key, return_inverse=True)
     balance = np.bincount(inverse, weights=np.where(start < end, 1.0, -1.0))
-    return bool((balance == 0).all())
+    return bool((balance == 0).all()), len(distinct)
+
+
+def _repeats_faces(mesh: Mesh, edges: int) -> bool:
+    """Whether a face stands in the mesh twice: shells that are doubled are closed, but no
+    longer tell which cavity belongs to which body."""
+    if 2 * edges == 3 * len(mesh.faces):
+        along_x = mesh.vertices[:, 0]
+        if len(np.unique(along_x)) == len(along_x):
+            return False
+    from assetpipe.geometry.repair.clean import weld_exactly
+
+    return weld_exactly(mesh.vertices, mesh.faces).repeated > 0
