@@ -79,16 +79,35 @@ def _seen_as(hull: HullOutcome) -> str:
     return "hulls" if hull.primitive is None or hull.primitive.kind == "box" else "round"
 
 
-def bodies_of_links(outcomes: Mapping[str, MeshOutcome]) -> Bodies:
-    """The bodies of compared links, whose outcomes are in the links' frames."""
+def bodies_of_links(
+    robot: Robot, outcomes: Mapping[str, MeshOutcome], kept: Mapping[str, Collection[int]]
+) -> Bodies:
+    """The bodies of a robot's links after a comparison.
+
+    Args:
+        robot: the original.
+        outcomes: of compared links, in the links' frames.
+        kept: by link, indices of the elements that both robots have: they are there on
+            both sides, since what has changed may touch them.
+    """
     before: list[LinkBody] = []
     after: list[LinkBody] = []
-    for name, outcome in outcomes.items():
-        if outcome.solid is None:
-            continue
-        bound = max(hull.thickening[1] for hull in outcome.hulls)
-        before.append(LinkBody(name, (outcome.solid,)))
-        after.append(LinkBody(name, tuple(hull.mesh for hull in outcome.hulls), bound))
+    for link in robot.links:
+        same = [
+            mesh.transformed(element.link_from_shape)
+            for element in link.collisions
+            if element.index in kept.get(link.name, ())
+            and (mesh := kept_mesh(element.shape)) is not None
+        ]
+        old, new, bound = list(same), list(same), 0.0
+        outcome = outcomes.get(link.name)
+        if outcome is not None and outcome.solid is not None:
+            old.append(outcome.solid)
+            new += [hull.mesh for hull in outcome.hulls]
+            bound = max(hull.thickening[1] for hull in outcome.hulls)
+        if old:
+            before.append(LinkBody(link.name, tuple(old)))
+            after.append(LinkBody(link.name, tuple(new), bound))
     return Bodies(tuple(before), tuple(after), {}, frozenset())
 
 

@@ -212,7 +212,13 @@ def _compare(
     validation: Mapping[str, Any] = {}
     if set(settings.checks) - {"contact"}:
         on_progress(Progress("self_collision", before.robot.name, len(tasks), len(tasks)))
-        validation, more = _whole(before.robot, built, by_link, config, cancelled)
+        kept = {
+            link.name: _unchanged(link, after.robot.link_map.get(link.name))
+            for link in before.robot.links
+        }
+        validation, more = _whole(
+            before.robot, built, by_link, kept, config=config, cancelled=cancelled
+        )
         findings += more
     disabled: tuple[DisabledPair, ...] = ()
     if "self_collision" in validation:
@@ -257,12 +263,20 @@ def _pairs(before: Robot, after: Robot) -> tuple[list[Pair], list[Finding]]:
             continue
         if other is None:
             continue
-        common = {_identity(c) for c in link.collisions} & {_identity(c) for c in other.collisions}
-        old = tuple(c for c in link.collisions if _readable(c) and _identity(c) not in common)
-        new = tuple(c for c in other.collisions if _comparable(c) and _identity(c) not in common)
+        same, same_there = _unchanged(link, other), _unchanged(other, link)
+        old = tuple(c for c in link.collisions if _readable(c) and c.index not in same)
+        new = tuple(c for c in other.collisions if _comparable(c) and c.index not in same_there)
         if old and new:
             pairs.append((link, old, new))
     return pairs, findings
+
+
+def _unchanged(link: Link, other: Link | None) -> list[int]:
+    """Indices of collision elements that the other link has as well."""
+    if other is None:
+        return []
+    there = {_identity(c) for c in other.collisions}
+    return [c.index for c in link.collisions if _identity(c) in there]
 
 
 def _readable(collision: Collision) -> bool:
@@ -302,10 +316,12 @@ def _whole(
     robot: Robot,
     built: Path,
     outcomes: Mapping[str, MeshOutcome],
+    kept: Mapping[str, list[int]],
+    *,
     config: Config,
     cancelled: Cancelled,
 ) -> tuple[Mapping[str, Any], tuple[Finding, ...]]:
-    """Self-collision and physics engine, on the links as compared."""
+    """Self-collision and physics engine, on the links as compared and what is unchanged."""
     with tempfile.TemporaryDirectory(prefix="assetpipe-proof-") as folder:
         files: dict[str, str] = {}
         for number, (name, outcome) in enumerate(outcomes.items()):
@@ -318,6 +334,7 @@ def _whole(
             "robot": str(robot.path),
             "built": str(built),
             "links": files,
+            "kept": kept,
             "checks": [check for check in config.validation.checks if check != "contact"],
             "poses": config.validation.poses,
             "seed": config.validation.seed,

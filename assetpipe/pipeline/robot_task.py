@@ -24,7 +24,7 @@ def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
 
     Request keys: ``robot`` and ``built`` (files), ``checks``, ``poses``, ``seed``; and
     either ``outcomes`` (link, index, file) with ``visual_links``, or ``links``, files of
-    outcomes in their links' frames.
+    outcomes in their links' frames, with ``kept``, by link, indices of unchanged elements.
     """
     robot = read_robot(Path(request["robot"])).robot
     bodies = _bodies(robot, request)
@@ -55,7 +55,8 @@ def _bodies(robot: Robot, request: Mapping[str, Any]) -> Bodies:
         return MeshOutcome.decode(Path(file).read_bytes())
 
     if "links" in request:
-        return bodies_of_links({link: read(file) for link, file in request["links"].items()})
+        compared = {link: read(file) for link, file in request["links"].items()}
+        return bodies_of_links(robot, compared, request["kept"])
     outcomes = {(str(link), int(index)): read(file) for link, index, file in request["outcomes"]}
     return bodies_of(robot, outcomes, set(request["visual_links"]))
 
