@@ -224,34 +224,28 @@ def _said(work: Work, job: Job, cavities: int, kept: int) -> list[Finding]:
 
 
 def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
-    """Bounds from what was moved, added and given up; the rest of the surface stayed."""
+    """Bounds from what was moved, added and given up; the rest of the surface stayed.
+
+    The percentiles are of the surfaces as they are, not of the bounds.
+    """
     fresh, lost = work.fresh, work.lost
-    if work.displacement == 0.0 and not len(fresh) and not len(lost):
+    if work.displacement == work.beside == 0.0 and not len(fresh) and not len(lost):
         return Deviation()
     scale = job.frame.scale
-    moved = work.displacement * scale
-    added = removed = added_p99 = removed_p99 = 0.0
+    after = Surface(job.frame.inward(solid.vertices), solid.faces)
     # What was given a thickness lies about that far away: no need to know it more sharply.
-    sheets = any(step.rung is Rung.SHEET for step in work.steps)
-    floor = max(job.budget / 10.0, job.thickness if sheets else 0.0)
-    if len(fresh):
-        added = farthest(job.surface, fresh, side="surface", resolution=RESOLUTION, floor=floor)
-        units = job.frame.inward(solid.vertices)
-        added_p99 = quantile(job.surface, (units, solid.faces), side="surface")
-    if len(lost):
-        after = Surface(job.frame.inward(solid.vertices), solid.faces)
-        removed = farthest(
-            after, lost, side="solid", resolution=RESOLUTION, floor=job.budget / 10.0
-        )
-        faces = np.delete(job.mesh.faces, degenerate(job.mesh.faces), axis=0)
-        before = job.frame.inward(job.mesh.vertices), faces
-        removed_p99 = quantile(after, before, side="solid")
-    if max(moved / scale, removed, added) < _ROUNDING:
+    floor = max(job.budget / 10.0, work.beside)
+    added = farthest(job.surface, fresh, side="surface", resolution=RESOLUTION, floor=floor)
+    removed = farthest(after, lost, side="solid", resolution=RESOLUTION, floor=job.budget / 10.0)
+    added, removed = max(added, work.beside) + work.displacement, removed + work.displacement
+    if max(removed, added) < _ROUNDING:
         return Deviation()
+    faces = np.delete(job.mesh.faces, degenerate(job.mesh.faces), axis=0)
+    before = job.frame.inward(job.mesh.vertices), faces
     return Deviation(
-        removed * scale + moved,
-        added * scale + moved,
-        min(removed_p99 * scale, removed * scale) + moved,
-        min(added_p99 * scale, added * scale) + moved,
+        removed * scale,
+        added * scale,
+        min(quantile(after, before, side="solid"), removed) * scale,
+        min(quantile(job.surface, (after.vertices, after.faces), side="surface"), added) * scale,
         "bound",
     )

@@ -7,6 +7,7 @@ number of faces at an edge and however they are wound, one-sided surfaces includ
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -23,9 +24,27 @@ from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.holes import cap, openings
 from assetpipe.geometry.repair.sides import joined_sides, rims, two_sided
 from assetpipe.geometry.repair.split import pair_half_edges, split_nonmanifold
+from assetpipe.geometry.repair.surface import Corners, no_corners
 
 _MITER = 3.0
 _RANK = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Slab:
+    """A sheet with a thickness.
+
+    Attributes:
+        vertices: (n, 3).
+        faces: (m, 3), closed, every edge with two faces.
+        caps: triangles that close what the two sides and the strips between them do not.
+        away: bound on how far any point of the other faces lies from the sheet.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    caps: Corners
+    away: float
 
 
 def thicken(
@@ -33,7 +52,7 @@ def thicken(
     faces: IntArray,
     thickness: float,
     side: Literal["inward", "centred"],
-) -> tuple[FloatArray, IntArray]:
+) -> Slab:
     """A closed surface around a sheet.
 
     Args:
@@ -44,8 +63,8 @@ def thicken(
             ``"centred"`` puts both half the thickness away.
 
     Returns:
-        Vertices and faces; closed, every edge with two faces. Where the sheet bends more
-        sharply than the thickness allows the result may cross itself nearby.
+        The slab. Where the sheet bends more sharply than the thickness allows it may cross
+        itself nearby.
     """
     sides = two_sided(faces)
     edges = Edges.of(faces, len(vertices))
@@ -54,14 +73,18 @@ def thicken(
     before[corners.ravel()] = sides.ravel()
     outward = 0.0 if side == "inward" else thickness / 2.0
     offsets = np.repeat([outward, thickness - outward], len(faces))
-    moved = vertices[before] + _offset(vertices, sides, corners, offsets, number)
+    offset = _offset(vertices, sides, corners, offsets, number)
+    moved = vertices[before] + offset
     strips = _strips(corners, rims(edges))
     closed = np.concatenate([corners, strips])
     closed = np.delete(closed, degenerate(closed), axis=0)
     caps = [cap(moved, opening) for opening in openings(moved, closed)]
     closed = np.concatenate([closed, *caps])
     closed = np.delete(closed, degenerate(closed), axis=0)
-    return split_nonmanifold(*referenced(moved, closed))[:2]
+    whole = split_nonmanifold(*referenced(moved, closed))[:2]
+    # A point of a face or strip has the same weights in the face or edge that it came from.
+    away = float(np.linalg.norm(offset, axis=1).max(initial=0.0))
+    return Slab(*whole, np.concatenate([no_corners(), *(moved[c] for c in caps)]), away)
 
 
 def manifold_pieces(vertices: FloatArray, faces: IntArray) -> list[tuple[FloatArray, IntArray]]:

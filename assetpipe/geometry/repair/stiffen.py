@@ -26,24 +26,20 @@ def thickened(work: Work, job: Job) -> Work:
         return work
     clock = process_time()
     scale = job.frame.scale
-    shells, fresh = list(work.shells), []
     findings = [finding for patch in work.patches for finding in _wide(patch, job)]
+    slabs = []
     for sheet in work.patches:
         job.check_time()
-        solids = []
         for vertices, faces in manifold_pieces(sheet.vertices, one_of_each(sheet.faces)):
             bounds, wound = _turned(vertices, faces)
             side: Literal["inward", "centred"] = "inward" if bounds else "centred"
-            solids.append(thicken(vertices, wound, job.thickness, side))
-        shells += [shell for solid in solids for shell in shells_of(*solid)]
-        fresh += [vertices[faces] for vertices, faces in solids]
-    # All sheets at once, and no sharper than their thickness: there can be hundreds.
-    moved = farthest(
-        job.surface,
-        stacked(*fresh),
-        side="surface",
-        resolution=RESOLUTION,
-        floor=job.thickness,
+            slabs.append(thicken(vertices, wound, job.thickness, side))
+    shells = [shell for slab in slabs for shell in shells_of(slab.vertices, slab.faces)]
+    caps = stacked(*(slab.caps for slab in slabs))
+    beside = max(slab.away for slab in slabs)
+    moved = max(
+        beside,
+        farthest(job.surface, caps, side="surface", resolution=RESOLUTION, floor=beside),
     )
     step = Step(
         Rung.SHEET,
@@ -55,9 +51,10 @@ def thickened(work: Work, job: Job) -> Work:
     return work.after(
         step,
         findings=tuple(findings),
-        shells=tuple(shells),
+        shells=(*work.shells, *shells),
         patches=(),
-        fresh=stacked(work.fresh, *fresh),
+        fresh=stacked(work.fresh, caps),
+        beside=max(work.beside, beside),
     )
 
 

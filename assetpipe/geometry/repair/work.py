@@ -87,7 +87,8 @@ class Work:
         fresh: triangles that the input did not have.
         lost: triangles of the input that were replaced or dropped.
         displacement: bound on how far points of the input were moved.
-        volume_known: whether the input enclosed a volume that a change can be told of.
+        beside: bound on how far from the input the surface lies that is not ``fresh`` and
+            was put beside it.
     """
 
     vertices: FloatArray
@@ -98,6 +99,7 @@ class Work:
     fresh: Corners = field(default_factory=no_corners)
     lost: Corners = field(default_factory=no_corners)
     displacement: float = 0.0
+    beside: float = 0.0
     cavities_kept: int = 0
     cavities_filled: int = 0
     steps: tuple[Step, ...] = ()

@@ -309,7 +309,8 @@ def test_sound_shells_do_not_overlap():
 @pytest.mark.parametrize("side", ["inward", "centred"])
 def test_a_plane_sheet_gets_its_thickness(side):
     vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
-    points, faces = thicken(vertices, np.array([[0, 1, 2], [0, 2, 3]]), 0.01, side)
+    slab = thicken(vertices, np.array([[0, 1, 2], [0, 2, 3]]), 0.01, side)
+    points, faces = slab.vertices, slab.faces
     assert defect(points, faces) is None
     assert Mesh(points, faces).volume == pytest.approx(0.01)
     low, high = (0.0, 0.01) if side == "inward" else (0.005, 0.005)
@@ -320,7 +321,8 @@ def test_a_plane_sheet_gets_its_thickness(side):
 def test_inward_leaves_the_outside_alone():
     vertices, faces = box()
     open_box = faces[vertices[faces].mean(axis=1)[:, 2] < 0.49]
-    points, closed = thicken(vertices, open_box, 0.01, "inward")
+    slab = thicken(vertices, open_box, 0.01, "inward")
+    points, closed = slab.vertices, slab.faces
     assert defect(points, closed) is None
     assert points.min() == -0.5
     assert points.max() == 0.5
@@ -334,7 +336,8 @@ def test_three_sheets_at_an_edge_become_one_solid():
         dtype=float,
     )
     faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 1], [4, 1, 0], [0, 1, 7], [0, 7, 6]])
-    points, closed = thicken(vertices, faces, 0.01, "centred")
+    slab = thicken(vertices, faces, 0.01, "centred")
+    points, closed = slab.vertices, slab.faces
     assert defect(points, closed) is None
     assert Mesh(points, closed).volume == pytest.approx(0.03, rel=0.01)
 

@@ -1,0 +1,75 @@
+"""What a repair says about its deviation, against distances that trimesh measures."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from assetpipe.geometry import Mesh, Rung, repair
+from assetpipe.geometry.repair.sheets import thicken
+
+
+def sphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions)
+    return np.array(mesh.vertices), np.array(mesh.faces)
+
+
+def torn(by: float) -> Mesh:
+    """A sphere one face of which hangs at a corner that is off by a little."""
+    vertices, faces = sphere(3)
+    moved = faces.copy()
+    moved[0, 0] = len(vertices)
+    off = vertices[faces[0, 0]] * (1.0 + by)
+    return Mesh(np.vstack([vertices, off[None]]), moved)
+
+
+def without_a_cap(height: float) -> Mesh:
+    vertices, faces = sphere(3)
+    return Mesh(vertices, faces[vertices[faces].mean(axis=1)[:, 2] < height])
+
+
+def sheet_with_a_step() -> Mesh:
+    x, y = np.meshgrid(np.linspace(0, 1, 12), np.linspace(0, 1, 12), indexing="ij")
+    z = 0.2 * np.floor(3.0 * x) + 0.05 * y
+    index = np.arange(144).reshape(12, 12)
+    a, b, c, d = (
+        index[i : 11 + i, j : 11 + j].ravel() for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
+    )
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return Mesh(np.stack([x, y, z], axis=-1).reshape(-1, 3), faces)
+
+
+def distances(start: Mesh, end: Mesh, number: int = 4000) -> np.ndarray:
+    """From points of one surface to the other."""
+    points, _ = trimesh.sample.sample_surface(start.to_trimesh(), number, seed=3)
+    return np.abs(trimesh.proximity.closest_point(end.to_trimesh(), points)[1])
+
+
+@pytest.mark.parametrize(
+    "mesh", [torn(5e-4), without_a_cap(0.995), without_a_cap(0.3), sheet_with_a_step()]
+)
+def test_bounds_hold_and_percentiles_are_of_the_surfaces(mesh: Mesh) -> None:
+    result = repair(mesh)
+    assert result.solid is not None
+    added = distances(result.solid, mesh)
+    assert result.deviation.added >= added.max() - 1e-9
+    assert result.deviation.added_p99 == pytest.approx(np.quantile(added, 0.99), rel=0.3, abs=1e-5)
+    # What lies inside the solid was not removed: the surface is farther than needed.
+    removed = distances(mesh, result.solid)
+    assert result.deviation.removed_p99 <= np.quantile(removed, 0.99) + 1e-4 * mesh.diagonal
+
+
+def test_a_vertex_that_was_moved_does_not_move_the_percentile() -> None:
+    mesh = torn(5e-4)
+    result = repair(mesh)
+    assert result.rung in (Rung.STITCH, Rung.SPLIT, Rung.FILL)
+    assert 4e-4 < result.deviation.largest < 2e-3
+    assert result.deviation.p99 < 1e-4
+
+
+@pytest.mark.parametrize("side", ["inward", "centred"])
+@pytest.mark.parametrize("mesh", [without_a_cap(0.3), sheet_with_a_step()])
+def test_no_point_of_a_slab_is_farther_than_it_says(mesh: Mesh, side: str) -> None:
+    slab = thicken(mesh.vertices, mesh.faces, 0.01, side)  # type: ignore[arg-type]
+    away = distances(Mesh(slab.vertices, slab.faces), mesh)
+    assert away.max() <= slab.away + 1e-9
+    assert slab.away <= 0.03 + 1e-12
