@@ -33,6 +33,11 @@ def thickening(
     hulls: Sequence[_Floats],
     on_progress: Callable[[float], object] | None = None,
 ) -> list[_Bounds]: ...
+def concavity_terms(
+    vertices: _Floats,
+    faces: _Ints,
+    on_progress: Callable[[float], object] | None = None,
+) -> tuple[_Bounds, _Bounds, _Bounds]: ...
 def thickening_within(
     vertices: _Floats,
     faces: _Ints,

@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from manifold3d import Manifold
+from manifold3d import CrossSection, Manifold
 
 ROUND = 128
 
@@ -108,6 +108,47 @@ def table() -> Manifold:
     return top
 
 
+def tripod() -> Manifold:
+    plate = rod(1.0, 0.1)
+    for k in range(3):
+        wall = box((0.1, -0.06, 0.1), (0.95, 0.06, 0.9)).rotate([0, 0, 90 + 120 * k])
+        plate += wall
+    return plate
+
+
+def turned_rib() -> Manifold:
+    rib = box((-0.8, -0.06, 0.0), (0.8, 0.06, 0.7)).rotate([0, 0, 31])
+    return box((-1, -0.7, 0), (1, 0.7, 0.1)) + rib
+
+
+def bracket_with_gusset() -> Manifold:
+    angle = box((-1, -0.5, 0), (1, 0.5, 0.1)) + box((-1, -0.5, 0), (-0.9, 0.5, 1.2))
+    gusset = Manifold.extrude(CrossSection([[(0, 0), (1, 0), (0, 0.9)]]), 0.1)
+    return angle + gusset.rotate([90, 0, 0]).translate([-0.9, 0.05, 0.1])
+
+
+def leaning_peg() -> Manifold:
+    peg = rod(0.15, 1.4).translate([0, 0, -0.2]).rotate([0, 35, 20]).translate([-0.4, 0, 0.1])
+    plate = box((-1, -0.7, 0), (1, 0.7, 0.25))
+    return plate + (peg ^ box((-2, -2, 0), (2, 2, 2)))
+
+
+def three_arms() -> Manifold:
+    body = Manifold()
+    for k, height in enumerate((0.3, 0.5, 0.8)):
+        arm = box((-0.1155, -0.2, 0), (1, 0.2, height)).rotate([0, 0, 10 + 120 * k])
+        body += arm
+    return body
+
+
+def slanted_arms() -> Manifold:
+    post = box((-0.15, -0.3, 0), (0.15, 0.3, 1.6))
+    for side, angle in ((1, 35), (-1, 50)):
+        arm = box((0, -0.3, -0.12), (0.9, 0.3, 0.12)).rotate([0, -side * angle, 0])
+        post += arm.mirror([0 if side > 0 else 1, 0, 0]).translate([0, 0, 0.6 + 0.2 * side])
+    return post + box((-0.4, -0.4, -0.15), (0.4, 0.4, 0))
+
+
 def shapes() -> list[Shape]:
     """All shapes, each with its optimum."""
     return [
@@ -127,6 +168,12 @@ def shapes() -> list[Shape]:
         Shape("stairs of five", 5, stairs()),
         Shape("cross", 3, cross()),
         Shape("table", 5, table()),
+        Shape("plate with a turned rib", 2, turned_rib()),
+        Shape("plate with three turned walls", 4, tripod()),
+        Shape("bracket with gusset", 3, bracket_with_gusset()),
+        Shape("plate with a leaning peg", 2, leaning_peg()),
+        Shape("three arms of three heights", 3, three_arms()),
+        Shape("post with slanted arms", 4, slanted_arms()),
     ]
 
 

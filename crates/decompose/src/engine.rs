@@ -6,7 +6,7 @@ use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::candidates::{flat_faces, sector};
+use crate::candidates::{flat_faces, notch, sector};
 use crate::concavity::{Decision, Interval};
 use crate::control::Control;
 use crate::error::DecomposeError;
@@ -96,7 +96,12 @@ pub fn decompose_working(
             .iter()
             .map(Piece::from)
             .collect();
-        parts.extend(connected_parts(piece, levels).map_err(internal)?);
+        let notches = if settings.oblique > 0 {
+            notch::find(&closed)
+        } else {
+            Vec::new()
+        };
+        parts.extend(connected_parts(piece, levels, &notches).map_err(internal)?);
     }
     let open: Vec<Open> = parts
         .into_iter()
@@ -312,12 +317,21 @@ fn cut(
             .map(|b| flat_faces::offsets(&part.piece, b.w, area, gap, most))
             .collect()
     };
-    let (extra, extra_second) = (flat(settings.faces), flat(settings.second_faces));
+    let (mut extra, mut extra_second) = (flat(settings.faces), flat(settings.second_faces));
+    let gridded = directions.len();
+    let least = settings.notched * epsilon;
+    for plane in notch::planes(&part.notches, epsilon, least, settings.oblique) {
+        if open(plane.normal) {
+            directions.push(Basis::along(plane.normal));
+            extra.push(vec![plane.offset]);
+            extra_second.push(Vec::new());
+        }
+    }
     let question = Question {
         piece: part.stand_in(settings.fewest),
         forbidden: &samples,
         directions: &directions,
-        gridded: directions.len(),
+        gridded,
         extra: &extra,
         extra_second: &extra_second,
         epsilon,

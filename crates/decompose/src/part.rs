@@ -4,6 +4,7 @@ use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::{Mesh, Plane};
 use glam::{DVec2, DVec3};
 
+use crate::candidates::notch::{self, Notch};
 use crate::search::piece::Piece;
 
 /// A connected piece of the solid, on its way to a hull.
@@ -13,6 +14,8 @@ pub struct Part {
     pub piece: Piece,
     /// Stand-ins for the search, coarsest first.
     pub levels: Vec<Piece>,
+    /// Its reflex edges.
+    pub notches: Vec<Notch>,
     /// Its convex hull.
     pub hull: Mesh,
 }
@@ -23,11 +26,16 @@ impl Part {
     ///
     /// # Errors
     /// Hull errors other than flatness.
-    pub fn new(piece: Piece, levels: Vec<Piece>) -> Result<Option<Part>, HullError> {
+    pub fn new(
+        piece: Piece,
+        levels: Vec<Piece>,
+        notches: Vec<Notch>,
+    ) -> Result<Option<Part>, HullError> {
         match convex_hull(&piece.points) {
             Ok(hull) => Ok(Some(Part {
                 piece,
                 levels,
+                notches,
                 hull,
             })),
             Err(HullError::Degenerate { .. } | HullError::Empty) => Ok(None),
@@ -48,10 +56,9 @@ impl Part {
             levels_below.push(b);
             levels_above.push(a);
         }
-        let mut parts = Vec::new();
-        for (piece, levels) in [(below, levels_below), (above, levels_above)] {
-            parts.extend(connected_parts(piece, levels)?);
-        }
+        let (notches_below, notches_above) = notch::split(&self.notches, &plane);
+        let mut parts = connected_parts(below, levels_below, &notches_below)?;
+        parts.extend(connected_parts(above, levels_above, &notches_above)?);
         Ok(parts)
     }
 
@@ -64,17 +71,24 @@ impl Part {
     }
 }
 
+/// How far outside of its part's bounds a point without triangles may lie.
+const STRAY: f64 = 1e-6;
+
 /// One part for each connected component, each with the stand-ins' components
-/// that belong to it.
+/// and reflex edges that belong to it.
 ///
 /// # Errors
 /// See [`Part::new`].
-pub fn connected_parts(piece: Piece, levels: Vec<Piece>) -> Result<Vec<Part>, HullError> {
+pub fn connected_parts(
+    piece: Piece,
+    levels: Vec<Piece>,
+    notches: &[Notch],
+) -> Result<Vec<Part>, HullError> {
     let components = components(piece);
     if components.len() == 1 {
         return Ok(components
             .into_iter()
-            .map(|p| Part::new(p, levels.clone()))
+            .map(|p| Part::new(p, levels.clone(), notches.to_vec()))
             .collect::<Result<Vec<_>, _>>()?
             .into_iter()
             .flatten()
@@ -102,8 +116,8 @@ pub fn connected_parts(piece: Piece, levels: Vec<Piece>) -> Result<Vec<Part>, Hu
         }
     }
     let mut parts = Vec::new();
-    for (piece, levels) in components.into_iter().zip(shares) {
-        parts.extend(Part::new(piece, levels)?);
+    for ((piece, levels), bounds) in components.into_iter().zip(shares).zip(boxes) {
+        parts.extend(Part::new(piece, levels, notch::within(notches, bounds))?);
     }
     Ok(parts)
 }
@@ -166,6 +180,17 @@ pub fn components(piece: Piece) -> Vec<Piece> {
         .iter()
         .map(|&root| extract(&piece, &roots, root))
         .collect();
+    // Points that a cut took their triangles from (see `Piece::split`).
+    for (v, &p) in piece.points.iter().enumerate() {
+        if used.binary_search(&roots[v]).is_err() {
+            for solid in &mut solids {
+                let (lo, hi) = solid.bounds();
+                if p.cmpge(lo - STRAY).all() && p.cmple(hi + STRAY).all() {
+                    solid.points.push(p);
+                }
+            }
+        }
+    }
     // A component of negative volume is a void: it stays with what encloses it.
     let volumes: Vec<f64> = solids.iter().map(Piece::volume).collect();
     let mut owner: Vec<usize> = (0..solids.len()).collect();

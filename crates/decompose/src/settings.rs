@@ -108,6 +108,8 @@ pub struct SearchSettings {
     pub depth: usize,
     /// Its iterations (t in the paper).
     pub iterations: usize,
+    /// How much it explores: c of Eq. 8 in units of concavity/d, which is the paper's choice.
+    pub exploration: f64,
     /// What its random numbers are drawn from.
     pub seed: u64,
     /// So many parallel cuts in a row may leave a part as hollow as before; the next goes
@@ -119,6 +121,10 @@ pub struct SearchSettings {
     pub face: f64,
     /// Planes of flat faces for the second cut, likewise.
     pub second_faces: usize,
+    /// Planes through reflex edges that are along no axis, at most so many; 0 for none.
+    pub oblique: usize,
+    /// The least length of edges that such a plane resolves.
+    pub notched: f64,
     /// The frame of the cuts.
     pub frame: FrameChoice,
     /// How far hulls may reach outward to have fewer vertices.
@@ -161,11 +167,14 @@ impl Default for SearchSettings {
             sectors: Sectors::Foreseen,
             depth: 3,
             iterations: 150,
+            exploration: 1.0,
             seed: 0,
             patience: 1,
             faces: 12,
             face: 4.0,
             second_faces: 6,
+            oblique: 4,
+            notched: 4.0,
             frame: FrameChoice::Faces,
             slim: 0.1,
             gap: 0.05,
@@ -272,6 +281,7 @@ impl SearchSettings {
             "ladder" => self.ladder = list(name, value)?,
             "ways" => self.ways = list(name, value)?,
             "depth" => self.depth = number(name, value)?,
+            "exploration" => self.exploration = number(name, value)?,
             "iterations" => self.iterations = number(name, value)?,
             "seed" => self.seed = number(name, value)?,
             "patience" => self.patience = number(name, value)?,
@@ -288,6 +298,8 @@ impl SearchSettings {
             "thinnest" => self.thinnest = number(name, value)?,
             "faces" => self.faces = number(name, value)?,
             "face" => self.face = number(name, value)?,
+            "oblique" => self.oblique = number(name, value)?,
+            "notched" => self.notched = number(name, value)?,
             "second_faces" => self.second_faces = number(name, value)?,
             _ => return Err(format!("'{name}' is no parameter of the search")),
         }

@@ -1,7 +1,7 @@
 //! `decompose`, `thickening`, `convex_hull`.
 
 use assetpipe_decompose::concavity::thickening::{bounds, decide};
-use assetpipe_decompose::concavity::{Decision, Gap, Interval, Limits};
+use assetpipe_decompose::concavity::{wei, Decision, Gap, Interval, Limits};
 use assetpipe_decompose::decomposition::{self as core, Decomposition};
 use assetpipe_decompose::reach;
 use assetpipe_decompose::settings::SearchSettings;
@@ -153,6 +153,36 @@ pub fn thickening<'py>(
             .collect::<Vec<_>>()
     })?;
     Ok(result)
+}
+
+/// `H_b` (Eq. 2), `H_i` (Eq. 3) and `R_v` (Eq. 5 of Wei et al. 2022) of a closed solid and its
+/// hull, each as a certified (lower, upper).
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, on_progress=None))]
+pub fn concavity_terms<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    on_progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(Bounds, Bounds, Bounds)> {
+    let solid = mesh(py, &vertices, &faces)?;
+    let hull = assetpipe_geometry::hull::convex_hull(&solid.vertices)
+        .map_err(|e| mesh_error(py, &e.to_string()))?;
+    watch::run(py, on_progress, |control| {
+        let cancelled = || control.is_cancelled();
+        let limits = Limits {
+            cells: 100_000,
+            cancelled: &cancelled,
+        };
+        let index = SolidIndex::new(&solid);
+        let gap = Gap {
+            relative: 0.02,
+            absolute: 1e-6 * index.bvh().bounds().diagonal(),
+        };
+        let both = wei::bounds(&index, &hull, gap, &limits);
+        let ball = wei::volume_radius(&solid, &hull);
+        (pair(both.boundary), pair(both.interior), pair(ball))
+    })
 }
 
 /// Certified thickening (lower, upper) of each hull that is proved to stay within

@@ -26,6 +26,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decomposition::decompose, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::parts, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::thickening, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::concavity_terms, module)?)?;
     module.add_function(wrap_pyfunction!(primitive::enclosing_shapes, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::thickening_within, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::simplify_within, module)?)?;

@@ -70,7 +70,9 @@ impl Search<'_> {
                 .then(a.direction.cmp(&b.direction))
                 .then(a.trial.cmp(&b.trial))
         });
-        let expanded: Vec<Expanded> = promising(&firsts, q.settings.expand, q.settings.quota)
+        // Single planes come on top, so that they take no place from the grid's.
+        let expand = q.settings.expand + q.directions.len() - q.gridded;
+        let expanded: Vec<Expanded> = promising(&firsts, expand, q.settings.quota)
             .into_par_iter()
             .map(|first| {
                 let sweep = &sweeps[first.direction];

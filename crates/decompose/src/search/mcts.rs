@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
         };
         let body = search.add(half);
         let whole = search.concavity_of_root();
-        search.exploration = whole / search.depth as f64;
+        search.exploration = q.settings.exploration * whole / search.depth as f64;
         let state = State {
             components: vec![Component {
                 concavity: whole,

@@ -29,12 +29,17 @@ pub struct Piece {
     pub caps: Vec<Cap>,
 }
 
+/// Vertices this close to a plane that is along no axis are on it: what is flat there is so to
+/// the rounding of single-precision files (working copies have extent ~1). Along the axes
+/// coordinates are exact.
+const ON: f64 = 2.5e-7;
+
 /// Side of a point: below, on or above a plane.
-fn side(h: f64) -> i8 {
-    if h < 0.0 {
+fn side(h: f64, on: f64) -> i8 {
+    if h < -on {
         -1
     } else {
-        i8::from(h > 0.0)
+        i8::from(h > on)
     }
 }
 
@@ -187,7 +192,12 @@ impl Piece {
             .iter()
             .map(|p| plane.normal.dot(*p) - plane.offset)
             .collect();
-        let sides: Vec<i8> = heights.iter().map(|&h| side(h)).collect();
+        let on = if plane.normal.abs().max_element() == 1.0 {
+            0.0
+        } else {
+            ON
+        };
+        let sides: Vec<i8> = heights.iter().map(|&h| side(h, on)).collect();
         let mut below = Half::new(self.points.len());
         let mut above = Half::new(self.points.len());
 
@@ -197,6 +207,19 @@ impl Piece {
         for t in &self.triangles {
             let s = t.map(|v| sides[v as usize]);
             if s == [0, 0, 0] {
+                // Its points stay with the side that holds solid there, so that its hull has
+                // them wherever rounding put them.
+                let [a, b, c] = t.map(|v| self.points[v as usize]);
+                let half = if (b - a).cross(c - a).dot(plane.normal) > 0.0 {
+                    &mut below
+                } else {
+                    &mut above
+                };
+                if on > 0.0 {
+                    for &v in t {
+                        half.old(self, v);
+                    }
+                }
                 continue;
             }
             if s.iter().all(|&x| x <= 0) {
