@@ -1,9 +1,10 @@
 //! Decompose OFF files and print hulls and CPU seconds:
 //! `cargo run --release --example measure -- 0.05 key=value… file.off…`
-//! (tolerance relative to half the longest side, as `CoACD`'s threshold).
+//! (tolerance relative to half the longest side, as `CoACD`'s threshold; `threads=2` is two
+//! threads, every other key a setting of the search).
 
 use assetpipe_decompose::control::Control;
-use assetpipe_decompose::decomposition::decompose;
+use assetpipe_decompose::decomposition::{decompose, Hull};
 use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
@@ -58,6 +59,28 @@ fn weld(mesh: &Mesh) -> Mesh {
     welded
 }
 
+/// A number that tells results apart (FNV-1a over all that leaves the engine).
+fn fingerprint(hulls: &[Hull]) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325u64;
+    let mut add = |x: u64| {
+        for byte in x.to_le_bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    for hull in hulls {
+        let points = hull.mesh.vertices.iter().flat_map(|p| p.to_array());
+        points.for_each(|x| add(x.to_bits()));
+        let corners = hull.mesh.triangles.iter().flatten();
+        corners.for_each(|&v| add(u64::from(v)));
+        let bounds = std::iter::once(hull.thickening).chain(hull.concavity);
+        bounds.for_each(|b| {
+            add(b.lower.to_bits());
+            add(b.upper.to_bits());
+        });
+    }
+    hash
+}
+
 /// Processor seconds of this process so far (Linux), which other loads do not disturb.
 fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
@@ -74,10 +97,13 @@ fn processor_seconds() -> f64 {
 fn main() {
     let mut settings = SearchSettings::default();
     let mut threshold = 0.05;
+    let mut threads = 1;
     let mut files = Vec::new();
     for arg in std::env::args().skip(1) {
         if let Ok(x) = arg.parse::<f64>() {
             threshold = x;
+        } else if let Some(count) = arg.strip_prefix("threads=") {
+            threads = count.parse().unwrap_or(1);
         } else if let Some((key, value)) = arg.split_once('=') {
             if let Err(message) = settings.set(key, value) {
                 eprintln!("{message}");
@@ -100,7 +126,7 @@ fn main() {
         let epsilon = threshold * 0.5 * (hi - lo).max_element();
         let start = processor_seconds();
         let wall = std::time::Instant::now();
-        match decompose(&mesh, epsilon, &settings, 1, &Control::default()) {
+        match decompose(&mesh, epsilon, &settings, threads, &Control::default()) {
             Ok(result) => {
                 let hulls = &result.hulls[..result.leaves];
                 let vertices: usize = hulls.iter().map(|h| h.mesh.vertices.len()).sum();
@@ -114,8 +140,9 @@ fn main() {
                     .fold(0.0, f64::max)
                     / epsilon
                     * threshold;
+                let bytes = fingerprint(&result.hulls);
                 println!(
-                    "{name:24} {:5} hulls {:7.3} s {vertices:6} vertices  wall {:.3} concavity {concavity:.4} thickening {:.5}",
+                    "{name:24} {:5} hulls {:7.3} s {vertices:6} vertices  wall {:.3} concavity {concavity:.4} thickening {:.5} bytes {bytes:016x}",
                     hulls.len(),
                     (processor_seconds() - start).max(0.001),
                     wall.elapsed().as_secs_f64(),
