@@ -68,7 +68,7 @@ fn fingerprint(hulls: &[Hull]) -> u64 {
         }
     };
     for hull in hulls {
-        let points = hull.mesh.vertices.iter().flat_map(|p| p.to_array());
+        let points = hull.mesh.vertices.iter().flat_map(DVec3::to_array);
         points.for_each(|x| add(x.to_bits()));
         let corners = hull.mesh.triangles.iter().flatten();
         corners.for_each(|&v| add(u64::from(v)));

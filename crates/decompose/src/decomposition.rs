@@ -12,7 +12,7 @@ use crate::close::close;
 use crate::concavity::{Gap, Interval, Limits};
 use crate::control::Control;
 use crate::convex::{check_closed, is_convex, is_like_a_sphere, is_strictly_convex};
-use crate::engine::{decompose_working, Cover};
+use crate::engine::{decompose_working, roots, Cover};
 use crate::error::DecomposeError;
 use crate::explore::fewest;
 use crate::finish::Finish;
@@ -22,6 +22,7 @@ use crate::merge::{volume, Proved};
 use crate::prismatic;
 use crate::settings::{FrameChoice, SearchSettings};
 use crate::slivers::cleared;
+use crate::step::Open;
 use crate::working::Working;
 
 /// A hull that leaves the engine, in the frame and unit of the input.
@@ -158,24 +159,64 @@ fn run(
     if let Some(found) = if_strictly_convex(&same, epsilon, settings) {
         return Ok((found, None));
     }
-    // The input itself, so that an error names its vertices.
-    check_closed(mesh)?;
-    let mesh = &same;
-    let hull = convex_hull(&mesh.vertices).map_err(flat)?;
-    let own = volume(mesh);
-    if own <= 1e-12 * volume(&hull) {
-        return Err(DecomposeError::Flat { dimension: 3 });
-    }
-    let affordable = settings.most_vertices == 0 || hull.vertices.len() <= settings.most_vertices;
-    if affordable && is_convex(mesh, &hull) {
-        return Ok((itself(hull, epsilon), None));
+    let small = same.triangles.len() <= SMALL;
+    if small {
+        if let Some(found) = if_convex(mesh, &same, epsilon, settings, control)? {
+            return Ok((found, None));
+        }
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .stack_size(STACK)
         .build()
         .map_err(|e| DecomposeError::Internal(e.to_string()))?;
-    pool.install(|| concave(mesh, epsilon, settings, control))
+    pool.install(|| {
+        if !small {
+            if let Some(found) = if_convex(mesh, &same, epsilon, settings, control)? {
+                return Ok((found, None));
+            }
+        }
+        concave(&same, epsilon, settings, control)
+    })
+}
+
+/// Closed meshes with so few triangles are looked at before threads are started for them.
+const SMALL: usize = 20_000;
+
+/// The decomposition of a solid that is convex, with flat edges or without.
+fn if_convex(
+    mesh: &Mesh,
+    ordered: &Mesh,
+    epsilon: f64,
+    settings: &SearchSettings,
+    control: &Control,
+) -> Result<Option<Decomposition>, DecomposeError> {
+    // The input itself, so that an error names its vertices.
+    let closed = || check_closed(mesh);
+    let hull = || convex_hull(&ordered.vertices).map_err(flat);
+    let (closed, hull) = if rayon::current_thread_index().is_some() {
+        rayon::join(closed, hull)
+    } else {
+        (closed(), hull())
+    };
+    closed?;
+    let hull = hull?;
+    go_on(control)?;
+    let own = volume(ordered);
+    if own <= 1e-12 * volume(&hull) {
+        return Err(DecomposeError::Flat { dimension: 3 });
+    }
+    let affordable = settings.most_vertices == 0 || hull.vertices.len() <= settings.most_vertices;
+    let convex = affordable && is_convex(ordered, &hull);
+    Ok(convex.then(|| itself(hull, epsilon)))
+}
+
+/// Unless it was asked to stop.
+fn go_on(control: &Control) -> Result<(), DecomposeError> {
+    if control.is_cancelled() {
+        return Err(DecomposeError::Cancelled);
+    }
+    Ok(())
 }
 
 /// How far removing slivers of a convex solid may reach outward, in ε.
@@ -196,8 +237,15 @@ fn concave(
         FrameChoice::Faces => frame::choose(mesh),
         FrameChoice::Principal => frame::principal(mesh),
     };
+    go_on(control)?;
     let (working, copy) = Working::new(mesh, frame);
-    let solid = SolidIndex::new(&copy);
+    go_on(control)?;
+    let (solid, roots) = rayon::join(
+        || SolidIndex::new(&copy),
+        || roots(&copy, settings, control),
+    );
+    let roots = roots?;
+    go_on(control)?;
     let cancelled = || control.is_cancelled();
     let limits = Limits {
         // A proof that is not there by then is a matter of the last digit; the part is
@@ -216,7 +264,7 @@ fn concave(
         epsilon: target,
         limits: &limits,
     };
-    let cover = cover(&copy, &judge, settings, control)?;
+    let cover = cover(&copy, roots, &judge, settings, control)?;
     let finish = Finish {
         working: &working,
         judge,
@@ -234,15 +282,11 @@ fn concave(
         .par_iter()
         .map(|h| finish.run(h, &cover.parts))
         .collect::<Result<_, _>>()?;
-    if control.is_cancelled() {
-        return Err(DecomposeError::Cancelled);
-    }
+    go_on(control)?;
     control.report(0.95);
     let leaves = finished.len();
     let nodes = build(&finish, finished)?;
-    if control.is_cancelled() {
-        return Err(DecomposeError::Cancelled);
-    }
+    go_on(control)?;
     let hulls = nodes
         .into_iter()
         .map(|node| output(&working, node))
@@ -255,11 +299,12 @@ fn concave(
 /// hulls, of these the tightest.
 fn cover(
     copy: &Mesh,
+    roots: Vec<Open>,
     judge: &Judge<'_>,
     settings: &SearchSettings,
     control: &Control,
 ) -> Result<Cover, DecomposeError> {
-    let searched = decompose_working(copy, judge, settings, control)?;
+    let searched = decompose_working(roots, judge, settings, control)?;
     let covers = std::iter::once(searched).chain(prismatic::cover(copy, judge, settings));
     fewest(covers.collect())
 }

@@ -1,33 +1,26 @@
 //! Algorithm 1: cut until every part is proved, then merge.
 
-use assetpipe_geometry::distance::SolidIndex;
-use assetpipe_geometry::hull::HullError;
-use assetpipe_geometry::{Mesh, Plane};
+use std::sync::{Mutex, PoisonError};
+
+use assetpipe_geometry::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::candidates::{flat_faces, notch, sector};
-use crate::concavity::{Decision, Interval};
+use crate::candidates::notch;
 use crate::control::Control;
 use crate::error::DecomposeError;
 use crate::explore::Explorer;
-use crate::forbidden;
 use crate::judge::Judge;
-use crate::merge::{merge, volume, Proved};
-use crate::part::{connected_parts, Part};
-use crate::progress::{progress, Lineage, MOST_CUTS};
+use crate::merge::{merge, Proved};
+use crate::part::{components, connected_parts};
+use crate::progress::Lineage;
 use crate::proxy;
 use crate::search::piece::Piece;
-use crate::search::policy::{policy, Question};
-use crate::search::price::extent;
-use crate::search::trial::{Basis, Side};
-use crate::settings::{Metric, SearchSettings, Sectors};
+use crate::settings::SearchSettings;
+use crate::step::{internal, step, Open, Step};
 
 /// More parts than this mean that the tolerance does not fit the solid.
 const MOST_PARTS: usize = 20_000;
-
-/// A part to decide about.
-pub type Open = (Part, Lineage);
 
 /// Hulls that cover the solid, and what they were made from.
 #[derive(Default)]
@@ -76,38 +69,46 @@ impl Cover {
     }
 }
 
-/// Decompose a closed solid in its working copy.
+/// The components of a solid in its working copy, each with its stand-ins.
+///
+/// # Errors
+/// [`DecomposeError`].
+pub fn roots(
+    mesh: &Mesh,
+    settings: &SearchSettings,
+    control: &Control,
+) -> Result<Vec<Open>, DecomposeError> {
+    let parts = components(Piece::from(mesh))
+        .into_par_iter()
+        .map(|piece| {
+            let closed = Mesh {
+                vertices: piece.points.clone(),
+                triangles: piece.triangles.clone(),
+            };
+            let levels = proxy::ladder(&closed, &settings.ladder, control)?;
+            let levels = levels.iter().map(Piece::from).collect();
+            let notches = if settings.oblique > 0 {
+                notch::find(&closed)
+            } else {
+                Vec::new()
+            };
+            connected_parts(piece, levels, &notches).map_err(internal)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let parts = parts.into_iter().flatten().enumerate();
+    Ok(parts.map(|(i, part)| (part, Lineage::root(i))).collect())
+}
+
+/// Decompose a closed solid, given by its [`roots`].
 ///
 /// # Errors
 /// [`DecomposeError`].
 pub fn decompose_working(
-    mesh: &Mesh,
+    open: Vec<Open>,
     judge: &Judge<'_>,
     settings: &SearchSettings,
     control: &Control,
 ) -> Result<Cover, DecomposeError> {
-    let mut parts = Vec::new();
-    for piece in crate::part::components(Piece::from(mesh)) {
-        let closed = Mesh {
-            vertices: piece.points.clone(),
-            triangles: piece.triangles.clone(),
-        };
-        let levels = proxy::ladder(&closed, &settings.ladder)
-            .iter()
-            .map(Piece::from)
-            .collect();
-        let notches = if settings.oblique > 0 {
-            notch::find(&closed)
-        } else {
-            Vec::new()
-        };
-        parts.extend(connected_parts(piece, levels, &notches).map_err(internal)?);
-    }
-    let open: Vec<Open> = parts
-        .into_iter()
-        .enumerate()
-        .map(|(i, part)| (part, Lineage::root(i)))
-        .collect();
     if settings.ways.is_empty() {
         // Merging and the coarser levels are about a tenth of the work.
         let found = run(judge, open, settings, &|share| control.report(0.9 * share))?;
@@ -135,34 +136,110 @@ pub fn decompose_working(
 /// [`DecomposeError`].
 pub fn run(
     judge: &Judge<'_>,
-    mut open: Vec<Open>,
+    open: Vec<Open>,
     settings: &SearchSettings,
     report: &(dyn Fn(f64) + Sync),
 ) -> Result<Cover, DecomposeError> {
-    let total_volume = open.iter().map(|(p, _)| p.piece.volume()).sum::<f64>();
-    let mut open_volume = total_volume;
+    let volume = open.iter().map(|(p, _)| p.piece.volume()).sum::<f64>();
+    let cutting = Cutting {
+        judge,
+        settings,
+        report,
+        volume,
+        state: Mutex::new(State {
+            count: open.len(),
+            proved: 0.0,
+            done: Vec::new(),
+            failed: None,
+        }),
+    };
+    rayon::scope(|scope| {
+        for (i, part) in open.into_iter().enumerate() {
+            let cutting = &cutting;
+            scope.spawn(move |scope| cutting.follow(scope, part, vec![i as u32]));
+        }
+    });
+    let state = cutting
+        .state
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    if let Some(error) = state.failed {
+        return Err(error);
+    }
+    // Generation by generation, each in the order of its parents: so the result does not depend
+    // on who was first.
+    let mut done = state.done;
+    done.sort_unstable_by(|a, b| a.0.len().cmp(&b.0.len()).then_with(|| a.0.cmp(&b.0)));
     let mut cover = Cover::default();
-    while !open.is_empty() {
-        // All parts of one generation side by side; taken in their order, so
-        // the result does not depend on who was first.
-        let steps: Vec<Step> = open
-            .into_par_iter()
-            .map(|part| step(judge, part, settings))
-            .collect::<Result<_, _>>()?;
-        open = Vec::new();
-        for mut step in steps {
-            match &mut step {
-                Step::Done { piece, .. } => open_volume -= piece.volume(),
-                Step::Cut { children, .. } => open.append(children),
-            }
-            cover.add(Cover::of(step));
-        }
-        report(1.0 - open_volume / total_volume);
-        if cover.hulls.len() + open.len() > MOST_PARTS {
-            return Err(DecomposeError::TooManyParts { limit: MOST_PARTS });
-        }
+    for (_, step) in done {
+        cover.add(Cover::of(step));
     }
     Ok(cover)
+}
+
+/// Which child of which child of which root a part is.
+type Path = Vec<u32>;
+
+/// Parts on their way to hulls, each followed as soon as a thread is free.
+struct Cutting<'a> {
+    judge: &'a Judge<'a>,
+    settings: &'a SearchSettings,
+    report: &'a (dyn Fn(f64) + Sync),
+    /// Of all parts.
+    volume: f64,
+    state: Mutex<State>,
+}
+
+struct State {
+    /// Parts that are open or done.
+    count: usize,
+    /// Volume of those that are done.
+    proved: f64,
+    /// What became of parts.
+    done: Vec<(Path, Step)>,
+    failed: Option<DecomposeError>,
+}
+
+impl<'a> Cutting<'a> {
+    /// Prove a part, or cut it and follow its children.
+    fn follow<'s>(&'s self, scope: &rayon::Scope<'s>, part: Open, path: Path)
+    where
+        'a: 's,
+    {
+        if self.state.lock().is_ok_and(|state| state.failed.is_some()) {
+            return;
+        }
+        let step = step(self.judge, part, self.settings);
+        let Ok(mut state) = self.state.lock() else {
+            return;
+        };
+        let mut step = match step {
+            Ok(step) => step,
+            Err(error) => {
+                state.failed = Some(error);
+                return;
+            }
+        };
+        let children = match &mut step {
+            Step::Done { piece, .. } => {
+                state.proved += piece.volume();
+                (self.report)(state.proved / self.volume);
+                Vec::new()
+            }
+            Step::Cut { children, .. } => std::mem::take(children),
+        };
+        // A part that ends as nothing still counts: the limit must not depend on who was first.
+        state.count += children.len().saturating_sub(1);
+        if state.count > MOST_PARTS {
+            state.failed = Some(DecomposeError::TooManyParts { limit: MOST_PARTS });
+            return;
+        }
+        for (i, child) in children.into_iter().enumerate() {
+            let path: Path = path.iter().copied().chain([i as u32]).collect();
+            scope.spawn(move |scope| self.follow(scope, child, path));
+        }
+        state.done.push((path, step));
+    }
 }
 
 /// Merge what can be merged.
@@ -187,192 +264,6 @@ pub fn finish(
         return Err(DecomposeError::Cancelled);
     }
     Ok(cover)
-}
-
-/// What becomes of a part.
-pub enum Step {
-    /// Its hull is proved.
-    Done {
-        /// The hull.
-        hull: Mesh,
-        /// What is proved.
-        thickening: Interval,
-        /// The part.
-        piece: Piece,
-    },
-    /// It was cut.
-    Cut {
-        /// Where.
-        plane: Plane,
-        /// Into what.
-        children: Vec<Open>,
-        /// A point of the hull farther than ε from the solid, if that was the reason.
-        witness: Option<DVec3>,
-    },
-}
-
-/// Prove a part or cut it.
-///
-/// # Errors
-/// [`DecomposeError`].
-pub fn step(
-    judge: &Judge<'_>,
-    (part, lineage): Open,
-    settings: &SearchSettings,
-) -> Result<Step, DecomposeError> {
-    if (judge.limits.cancelled)() {
-        return Err(DecomposeError::Cancelled);
-    }
-    let witness = match judge.decide(&part.hull, &[&part.piece]) {
-        Decision::Within(thickening) => {
-            return Ok(Step::Done {
-                hull: part.hull,
-                thickening,
-                piece: part.piece,
-            });
-        }
-        Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => Some(witness),
-        Decision::Beyond { .. } | Decision::Unproven(_) => None,
-    };
-    if is_void(judge.solid, &part.hull) {
-        return Ok(Step::Cut {
-            plane: Plane::axis_aligned(0, 0.0),
-            children: Vec::new(),
-            witness: None,
-        });
-    }
-    // Without surface there is nothing for the search to see: bisection ends, because
-    // hulls smaller than ε are either void or within ε.
-    let (plane, lineage) = if part.piece.triangles.is_empty() {
-        let plane = halve(&part.hull.vertices, &|_| true);
-        (plane, lineage.after(plane.normal, true))
-    } else {
-        cut(judge, &part, lineage, settings)
-    };
-    let children = part.split(plane).map_err(internal)?;
-    let children = children.into_iter().enumerate();
-    Ok(Step::Cut {
-        plane,
-        children: children.map(|(i, c)| (c, lineage.child(i))).collect(),
-        witness,
-    })
-}
-
-/// Whether no point of the hull belongs to the solid, proved by a ball around it
-/// that no surface enters. Such a hull covers nothing, and cutting it could go on
-/// for ever: it comes from a shell that is wound inside out where no other encloses it.
-fn is_void(solid: &SolidIndex, hull: &Mesh) -> bool {
-    let centre = hull.vertices.iter().sum::<DVec3>() / hull.vertices.len() as f64;
-    let radius = hull
-        .vertices
-        .iter()
-        .map(|v| v.distance(centre))
-        .fold(0.0, f64::max);
-    solid.distance(centre) > radius + solid.slack()
-}
-
-#[allow(clippy::needless_pass_by_value)]
-fn internal(error: HullError) -> DecomposeError {
-    DecomposeError::Internal(error.to_string())
-}
-
-/// The plane that cuts a part, and the part's lineage after it.
-fn cut(
-    judge: &Judge<'_>,
-    part: &Part,
-    lineage: Lineage,
-    settings: &SearchSettings,
-) -> (Plane, Lineage) {
-    let epsilon = judge.epsilon;
-    let open = |w: DVec3| !lineage.closed(w, settings.patience);
-    let halve = || {
-        let plane = halve(&part.hull.vertices, &open);
-        (plane, lineage.after(plane.normal, true))
-    };
-    if lineage.cuts >= MOST_CUTS {
-        return halve();
-    }
-    let samples = forbidden::sample(judge.solid, &part.hull, epsilon, settings.samples);
-    let mut directions: Vec<Basis> = (0..3).map(Basis::axis).collect();
-    if settings.sectors == Sectors::Foreseen {
-        let best = directions
-            .iter()
-            .filter_map(|basis| {
-                let extent = extent(&part.hull.vertices, basis.w);
-                sector::plane(&part.piece, basis, extent, &samples, epsilon)
-            })
-            .reduce(|a, b| if b.1 > a.1 { b } else { a });
-        if let Some((plane, _)) = best {
-            return (plane, lineage.after(plane.normal, true));
-        }
-    }
-    // If all are closed, all are open again.
-    if directions.iter().any(|b| open(b.w)) {
-        directions.retain(|b| open(b.w));
-    }
-    let flat = |most: usize| -> Vec<Vec<f64>> {
-        let (area, gap) = (settings.face * epsilon * epsilon, 1e-4 * epsilon);
-        directions
-            .iter()
-            .map(|b| flat_faces::offsets(&part.piece, b.w, area, gap, most))
-            .collect()
-    };
-    let (mut extra, mut extra_second) = (flat(settings.faces), flat(settings.second_faces));
-    let gridded = directions.len();
-    let least = settings.notched * epsilon;
-    for plane in notch::planes(&part.notches, epsilon, least, settings.oblique) {
-        if open(plane.normal) {
-            directions.push(Basis::along(plane.normal));
-            extra.push(vec![plane.offset]);
-            extra_second.push(Vec::new());
-        }
-    }
-    let question = Question {
-        piece: part.stand_in(settings.fewest),
-        forbidden: &samples,
-        directions: &directions,
-        gridded,
-        extra: &extra,
-        extra_second: &extra_second,
-        epsilon,
-        key: lineage.key,
-        settings,
-    };
-    let Some(choice) = policy(settings.policy).choose(&question) else {
-        return halve();
-    };
-    let w = directions[choice.direction].w;
-    let (lo, hi) = extent(&part.hull.vertices, w);
-    if choice.offset <= lo || choice.offset >= hi {
-        return halve();
-    }
-    let whole = Side {
-        part: part.piece.volume(),
-        hull: volume(&part.hull),
-        forbidden: samples.iter().map(|s| s.weight).sum(),
-    };
-    let progress = progress(&whole, &choice, settings.excess);
-    let plane = Plane {
-        normal: w,
-        offset: choice.offset,
-    };
-    (plane, lineage.after(w, progress))
-}
-
-/// Through the middle of the longest side that is not closed: always ends, because hulls
-/// smaller than ε are within ε.
-fn halve(points: &[DVec3], open: &dyn Fn(DVec3) -> bool) -> Plane {
-    let size = |axis: usize| {
-        let (lo, hi) = extent(points, DVec3::AXES[axis]);
-        hi - lo
-    };
-    let longest = |a: usize, b: usize| if size(b) > size(a) { b } else { a };
-    let axis = (0..3)
-        .filter(|&axis| open(DVec3::AXES[axis]))
-        .reduce(longest)
-        .unwrap_or((1..3).fold(0, longest));
-    let (lo, hi) = extent(points, DVec3::AXES[axis]);
-    Plane::axis_aligned(axis, 0.5 * (lo + hi))
 }
 
 #[cfg(test)]

@@ -11,11 +11,12 @@ use assetpipe_geometry::Plane;
 use rayon::prelude::*;
 
 use crate::control::Control;
-use crate::engine::{finish, run, step, Cover, Open, Step};
+use crate::engine::{finish, run, Cover};
 use crate::error::DecomposeError;
 use crate::judge::Judge;
 use crate::merge::volume;
 use crate::settings::SearchSettings;
+use crate::step::{step, Open, Step};
 
 /// Planes closer than this share of ε are the same way to cut.
 const SAME: f64 = 0.25;

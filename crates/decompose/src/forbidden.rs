@@ -5,7 +5,9 @@
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
+use rayon::prelude::*;
 
+use crate::merge::half_spaces;
 use crate::search::trial::Forbidden;
 
 /// Samples on a grid of about `count` cells over the hull's bounding box.
@@ -13,6 +15,9 @@ pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Ve
     let Some(&first) = hull.vertices.first() else {
         return Vec::new();
     };
+    if solid.bvh().is_empty() {
+        return Vec::new();
+    }
     let (lo, hi) = hull
         .vertices
         .iter()
@@ -20,65 +25,110 @@ pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Ve
     let size = hi - lo;
     let cell = libm::cbrt(size.x * size.y * size.z / count as f64).max(size.max_element() * 1e-3);
     let number = (size / cell).ceil().max(DVec3::ONE);
-    let step = size / number;
-    let weight = step.x * step.y * step.z;
-    let planes: Vec<(DVec3, f64)> = (0..hull.triangles.len())
-        .map(|t| {
-            let [a, b, c] = hull.corners(t);
-            let n = (b - a).cross(c - a);
-            (n, n.dot(a))
-        })
+    let grid = Grid {
+        solid,
+        epsilon,
+        lo,
+        hi,
+        number,
+        step: size / number,
+        planes: half_spaces(hull),
+    };
+    let layers: Vec<Vec<Forbidden>> = (0..number.x as usize)
+        .into_par_iter()
+        .map(|i| grid.layer(i))
         .collect();
-    let mut samples = Vec::new();
-    for i in 0..number.x as usize {
-        for j in 0..number.y as usize {
-            let x = lo.x + (i as f64 + 0.5) * step.x;
-            let y = lo.y + (j as f64 + 0.5) * step.y;
-            // The hull's part of this column.
-            let (mut from, mut to) = (lo.z, hi.z);
-            for &(n, offset) in &planes {
-                let room = offset - n.x * x - n.y * y;
-                if n.z > 0.0 {
-                    to = to.min(room / n.z);
-                } else if n.z < 0.0 {
-                    from = from.max(room / n.z);
-                } else if room < 0.0 {
-                    to = f64::NEG_INFINITY;
+    layers.concat()
+}
+
+/// Cells over a hull's bounding box.
+struct Grid<'a> {
+    solid: &'a SolidIndex,
+    epsilon: f64,
+    lo: DVec3,
+    hi: DVec3,
+    /// How many cells along each axis, whole numbers.
+    number: DVec3,
+    step: DVec3,
+    /// Of the hull.
+    planes: Vec<(DVec3, f64)>,
+}
+
+impl Grid<'_> {
+    /// The samples of all columns with one x.
+    fn layer(&self, i: usize) -> Vec<Forbidden> {
+        let mut samples = Vec::new();
+        let mut near = 0;
+        let x = self.lo.x + (i as f64 + 0.5) * self.step.x;
+        for j in 0..self.number.y as usize {
+            let y = self.lo.y + (j as f64 + 0.5) * self.step.y;
+            self.column(x, y, &mut near, &mut samples);
+        }
+        samples
+    }
+
+    /// Add the samples of one column. The search for the nearest triangle begins at `near`, the
+    /// one of the point before.
+    fn column(&self, x: f64, y: f64, near: &mut u32, samples: &mut Vec<Forbidden>) {
+        let step = self.step.z;
+        let weight = self.step.x * self.step.y * step;
+        let (from, to) = self.inside(x, y);
+        let mut k = ((from - self.lo.z) / step - 0.5).ceil().max(0.0);
+        while k < self.number.z {
+            let z = self.lo.z + (k + 0.5) * step;
+            if z > to {
+                break;
+            }
+            let point = DVec3::new(x, y, z);
+            // The distance is 1-Lipschitz: what holds here holds for a
+            // stretch of the column.
+            let distance = self.distance(point, near);
+            let (free, stretch) = if distance <= self.epsilon {
+                (false, self.epsilon - distance)
+            } else if self.solid.contains(point) {
+                (false, distance)
+            } else {
+                (true, distance - self.epsilon)
+            };
+            let skip = (stretch / step).floor().max(0.0);
+            if free {
+                let mut s = 0.0;
+                while s <= skip && z + s * step <= to {
+                    samples.push(Forbidden {
+                        point: DVec3::new(x, y, z + s * step),
+                        weight,
+                    });
+                    s += 1.0;
                 }
             }
-            let mut k = ((from - lo.z) / step.z - 0.5).ceil().max(0.0);
-            while k < number.z {
-                let z = lo.z + (k + 0.5) * step.z;
-                if z > to {
-                    break;
-                }
-                let point = DVec3::new(x, y, z);
-                // The distance is 1-Lipschitz: what holds here holds for a
-                // stretch of the column.
-                let distance = solid
-                    .surface(point)
-                    .map_or(f64::INFINITY, |n| n.distance2.sqrt());
-                let (free, stretch) = if distance <= epsilon {
-                    (false, epsilon - distance)
-                } else if solid.contains(point) {
-                    (false, distance)
-                } else {
-                    (true, distance - epsilon)
-                };
-                let skip = (stretch / step.z).floor().max(0.0);
-                if free {
-                    let mut s = 0.0;
-                    while s <= skip && z + s * step.z <= to {
-                        samples.push(Forbidden {
-                            point: DVec3::new(x, y, z + s * step.z),
-                            weight,
-                        });
-                        s += 1.0;
-                    }
-                }
-                k += skip + 1.0;
-            }
+            k += skip + 1.0;
         }
     }
-    samples
+
+    /// Lowest and highest z of the hull's part of a column.
+    fn inside(&self, x: f64, y: f64) -> (f64, f64) {
+        let (mut from, mut to) = (self.lo.z, self.hi.z);
+        for &(n, offset) in &self.planes {
+            let room = offset - n.x * x - n.y * y;
+            if n.z > 0.0 {
+                to = to.min(room / n.z);
+            } else if n.z < 0.0 {
+                from = from.max(room / n.z);
+            } else if room < 0.0 {
+                to = f64::NEG_INFINITY;
+            }
+        }
+        (from, to)
+    }
+
+    /// Distance to the surface.
+    fn distance(&self, point: DVec3, near: &mut u32) -> f64 {
+        let bvh = self.solid.bvh();
+        let known = bvh.triangle(*near).distance2(point);
+        let distance2 = bvh.nearest(point, known).map_or(known, |nearer| {
+            *near = nearer.slot;
+            nearer.distance2
+        });
+        distance2.sqrt()
+    }
 }

@@ -6,13 +6,15 @@
 //! thickening is never below its children's.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap};
 
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::convex_hull;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
+use rayon::prelude::*;
 
+use crate::between::Tips;
 use crate::concavity::thickening::bounds_above;
 use crate::concavity::{Gap, Interval, Limits};
 use crate::error::DecomposeError;
@@ -25,6 +27,14 @@ const COARSE: Gap = Gap {
     relative: 0.1,
     absolute: 1e-4,
 };
+
+/// Pairs that are looked at for one that can be joined ahead of its turn.
+const LOOK_AHEAD: usize = 8;
+
+/// The bits of an estimate, and the pair that it is of.
+type Turn = (u64, u32, u32);
+/// Least first.
+type Waiting = Reverse<Turn>;
 
 /// A node: a leaf, or the hull of two earlier nodes.
 #[derive(Clone, Debug)]
@@ -56,72 +66,84 @@ pub fn build(
             children: None,
         })
         .collect();
+    let solid = finish.judge.solid;
+    let mut tips: Vec<Tips> = nodes.par_iter().map(|n| Tips::of(&n.proved.hull)).collect();
     let mut open: Vec<bool> = vec![true; nodes.len()];
-    let mut queue: BinaryHeap<Reverse<(u64, u32, u32)>> = BinaryHeap::new();
-    for i in 0..nodes.len() {
-        for j in i + 1..nodes.len() {
-            offer(finish.judge.solid, &nodes, i, j, &mut queue);
-        }
-    }
-    while let Some(Reverse((bits, i, j))) = queue.pop() {
+    let mut queue: BinaryHeap<Waiting> = (0..nodes.len())
+        .into_par_iter()
+        .flat_map_iter(|j| (0..j).map(move |i| (i, j)))
+        .map(|(i, j)| estimate(solid, &nodes, &tips, i, j))
+        .collect::<Vec<_>>()
+        .into();
+    // Joined ahead of their turn.
+    let mut ready: BTreeMap<(u32, u32), Node> = BTreeMap::new();
+    while let Some(Reverse(turn)) = queue.pop() {
         if (finish.judge.limits.cancelled)() {
             return Err(DecomposeError::Cancelled);
         }
+        let (_, i, j) = turn;
+        let known = ready.remove(&(i, j));
         if !open[i as usize] || !open[j as usize] {
             continue;
         }
-        let node = join(finish, &nodes, [i, j], f64::from_bits(bits))?;
+        let node = if let Some(node) = known {
+            node
+        } else {
+            let mut turns = vec![turn];
+            turns.extend(likely(&mut queue, turn, &open));
+            let mut made = turns
+                .par_iter()
+                .map(|&(bits, i, j)| join(finish, &nodes, [i, j], f64::from_bits(bits)))
+                .collect::<Result<Vec<_>, _>>()?
+                .into_iter();
+            let Some(node) = made.next() else { break };
+            ready.extend(turns[1..].iter().map(|t| (t.1, t.2)).zip(made));
+            node
+        };
         open[i as usize] = false;
         open[j as usize] = false;
         let new = nodes.len();
+        tips.push(Tips::of(&node.proved.hull));
         nodes.push(node);
-        for (other, _) in open.iter().enumerate().filter(|(_, &is_open)| is_open) {
-            offer(finish.judge.solid, &nodes, other, new, &mut queue);
-        }
+        let others: Vec<usize> = (0..new).filter(|&k| open[k]).collect();
+        queue.par_extend(
+            others
+                .into_par_iter()
+                .map(|other| estimate(solid, &nodes, &tips, other, new)),
+        );
         open.push(true);
     }
     Ok(nodes)
 }
 
-/// Queue a pair with an estimate from a few points between the two hulls.
-fn offer(
-    solid: &SolidIndex,
-    nodes: &[Node],
-    i: usize,
-    j: usize,
-    queue: &mut BinaryHeap<Reverse<(u64, u32, u32)>>,
-) {
-    let (a, b) = (&nodes[i].proved, &nodes[j].proved);
-    let mut estimate = a.thickening.lower.max(b.thickening.lower);
-    let pick = |p: &Proved, d: DVec3| {
-        p.hull
-            .vertices
-            .iter()
-            .copied()
-            .max_by(|x, y| d.dot(*x).total_cmp(&d.dot(*y)))
-            .unwrap_or(DVec3::ZERO)
-    };
-    let middle = |p: &Proved| {
-        p.hull.vertices.iter().copied().sum::<DVec3>() / p.hull.vertices.len().max(1) as f64
-    };
-    let (ma, mb) = (middle(a), middle(b));
-    let mut probe = |p: DVec3, q: DVec3| {
-        for share in [0.25, 0.5, 0.75] {
-            estimate = estimate.max(solid.distance(p.lerp(q, share)));
+/// Pairs that will most likely have their turn soon, whatever becomes of the one whose turn it is:
+/// as many as there are other threads.
+fn likely(queue: &mut BinaryHeap<Waiting>, turn: Turn, open: &[bool]) -> Vec<Turn> {
+    let count = rayon::current_num_threads() - 1;
+    let mut seen = Vec::new();
+    let mut found: Vec<Turn> = Vec::new();
+    while found.len() < count && seen.len() < LOOK_AHEAD * count {
+        let Some(next) = queue.pop() else { break };
+        let Reverse((_, i, j)) = next;
+        let taken = |k: u32| {
+            let of = |t: &Turn| t.1 == k || t.2 == k;
+            !open[k as usize] || of(&turn) || found.iter().any(of)
+        };
+        if !taken(i) && !taken(j) {
+            found.push(next.0);
         }
-    };
-    probe(ma, mb);
-    for d in [
-        DVec3::X,
-        DVec3::Y,
-        DVec3::Z,
-        -DVec3::X,
-        -DVec3::Y,
-        -DVec3::Z,
-    ] {
-        probe(pick(a, d), pick(b, d));
+        seen.push(next);
     }
-    queue.push(Reverse((estimate.to_bits(), i as u32, j as u32)));
+    queue.extend(seen);
+    found
+}
+
+/// A pair with an estimate from a few points between the two hulls.
+fn estimate(solid: &SolidIndex, nodes: &[Node], tips: &[Tips], i: usize, j: usize) -> Waiting {
+    let lower = |k: usize| nodes[k].proved.thickening.lower;
+    let reach = tips[i].thickening(&tips[j], solid);
+    let estimate = lower(i).max(lower(j)).max(reach);
+    Reverse((estimate.to_bits(), i as u32, j as u32))
 }
 
 /// The joined hull with its bound.

@@ -1,9 +1,11 @@
 //! Collision-aware approximate convex decomposition of solids.
 
+pub mod between;
 pub mod budget;
 pub mod candidates;
 pub mod canonical;
 pub mod close;
+pub mod cluster;
 pub mod concavity;
 pub mod control;
 pub mod convex;
@@ -25,4 +27,5 @@ pub mod reach;
 pub mod search;
 pub mod settings;
 pub mod slivers;
+pub mod step;
 pub mod working;

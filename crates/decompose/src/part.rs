@@ -3,6 +3,7 @@
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::{Mesh, Plane};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use crate::candidates::notch::{self, Notch};
 use crate::search::piece::Piece;
@@ -48,17 +49,18 @@ impl Part {
     /// # Errors
     /// See [`Part::new`].
     pub fn split(&self, plane: Plane) -> Result<Vec<Part>, HullError> {
-        let (below, above) = self.piece.split(plane);
-        let mut levels_below = Vec::new();
-        let mut levels_above = Vec::new();
-        for level in &self.levels {
-            let (b, a) = level.split(plane);
-            levels_below.push(b);
-            levels_above.push(a);
-        }
-        let (notches_below, notches_above) = notch::split(&self.notches, &plane);
-        let mut parts = connected_parts(below, levels_below, &notches_below)?;
-        parts.extend(connected_parts(above, levels_above, &notches_above)?);
+        let (whole, levels): (_, Vec<(Piece, Piece)>) = rayon::join(
+            || self.piece.split(plane),
+            || self.levels.par_iter().map(|l| l.split(plane)).collect(),
+        );
+        let (levels_below, levels_above) = levels.into_iter().unzip();
+        let notches = notch::split(&self.notches, &plane);
+        let (below, above) = rayon::join(
+            || connected_parts(whole.0, levels_below, &notches.0),
+            || connected_parts(whole.1, levels_above, &notches.1),
+        );
+        let mut parts = below?;
+        parts.extend(above?);
         Ok(parts)
     }
 
@@ -123,10 +125,16 @@ pub fn connected_parts(
 }
 
 /// Disjoint sets.
-struct Union(Vec<u32>);
+pub(crate) struct Union(Vec<u32>);
 
 impl Union {
-    fn root(&mut self, mut v: u32) -> u32 {
+    /// Of `count` elements, each by itself.
+    pub(crate) fn new(count: usize) -> Self {
+        Union((0..count as u32).collect())
+    }
+
+    /// The smallest element of a set.
+    pub(crate) fn root(&mut self, mut v: u32) -> u32 {
         while self.0[v as usize] != v {
             self.0[v as usize] = self.0[self.0[v as usize] as usize];
             v = self.0[v as usize];
@@ -134,7 +142,8 @@ impl Union {
         v
     }
 
-    fn join(&mut self, a: u32, b: u32) {
+    /// Make two sets one.
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         // The smaller index stays the root: the order of components is fixed.
         self.0[a.max(b) as usize] = a.min(b);
@@ -144,7 +153,7 @@ impl Union {
 /// The connected components of a piece. Border loops of a cap that lie inside
 /// one another are connected through the cap.
 pub fn components(piece: Piece) -> Vec<Piece> {
-    let mut sets = Union((0..piece.points.len() as u32).collect());
+    let mut sets = Union::new(piece.points.len());
     for t in &piece.triangles {
         sets.join(t[0], t[1]);
         sets.join(t[0], t[2]);

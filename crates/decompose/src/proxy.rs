@@ -11,15 +11,38 @@ use std::collections::BinaryHeap;
 use assetpipe_geometry::Mesh;
 use glam::{DMat3, DVec3};
 
+use crate::cluster::clustered_to;
+use crate::control::Control;
+use crate::error::DecomposeError;
+
+/// Collapses between two looks at whether to go on: about a millisecond.
+const PATIENCE: u32 = 256;
+/// Meshes of more triangles than so many times the finest stand-in's are clustered first: edge
+/// collapse goes through memory in no order, so its cost grows faster than its work.
+const LARGE: usize = 16;
+
 /// A symmetric quadric: x·A·x − 2·b·x + c.
 #[derive(Clone, Copy, Default)]
-struct Quadric {
+pub(crate) struct Quadric {
     a: [f64; 6],
     b: DVec3,
     c: f64,
 }
 
 impl Quadric {
+    /// Of a triangle's plane, weighted with its area.
+    pub(crate) fn triangle([a, b, c]: [DVec3; 3]) -> Self {
+        let normal = (b - a).cross(c - a);
+        let area = normal.length();
+        let mut quadric = Quadric::plane(
+            normal.normalize_or_zero(),
+            normal.normalize_or_zero().dot(a),
+            area,
+        );
+        quadric.add(&Quadric::point((a + b + c) / 3.0, 1e-6 * area));
+        quadric
+    }
+
     fn plane(normal: DVec3, offset: f64, weight: f64) -> Self {
         let n = normal;
         Quadric {
@@ -46,7 +69,7 @@ impl Quadric {
         }
     }
 
-    fn add(&mut self, other: &Quadric) {
+    pub(crate) fn add(&mut self, other: &Quadric) {
         for (x, y) in self.a.iter_mut().zip(&other.a) {
             *x += y;
         }
@@ -54,7 +77,7 @@ impl Quadric {
         self.c += other.c;
     }
 
-    fn at(&self, p: DVec3) -> f64 {
+    pub(crate) fn at(&self, p: DVec3) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.a;
         let ap = DVec3::new(
             xx * p.x + xy * p.y + xz * p.z,
@@ -64,7 +87,7 @@ impl Quadric {
         p.dot(ap) - 2.0 * p.dot(self.b) + self.c
     }
 
-    fn minimum(&self) -> Option<DVec3> {
+    pub(crate) fn minimum(&self) -> Option<DVec3> {
         let [xx, xy, xz, yy, yz, zz] = self.a;
         let m = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
         let trace = xx + yy + zz;
@@ -94,15 +117,7 @@ impl Collapse {
         let mut around = vec![Vec::new(); n];
         let mut quadrics = vec![Quadric::default(); n];
         for (t, corners) in mesh.triangles.iter().enumerate() {
-            let [a, b, c] = mesh.corners(t);
-            let normal = (b - a).cross(c - a);
-            let area = normal.length();
-            let mut quadric = Quadric::plane(
-                normal.normalize_or_zero(),
-                normal.normalize_or_zero().dot(a),
-                area,
-            );
-            quadric.add(&Quadric::point((a + b + c) / 3.0, 1e-6 * area));
+            let quadric = Quadric::triangle(mesh.corners(t));
             for &v in corners {
                 around[v as usize].push(t as u32);
                 quadrics[v as usize].add(&quadric);
@@ -172,8 +187,13 @@ impl Collapse {
         })
     }
 
-    fn run(&mut self, target: usize) {
+    fn run(&mut self, target: usize, control: &Control) -> Result<(), DecomposeError> {
+        let mut looked_at = 0u32;
         while self.count > target {
+            looked_at += 1;
+            if looked_at % PATIENCE == 0 && control.is_cancelled() {
+                return Err(DecomposeError::Cancelled);
+            }
             let Some(Reverse((_, u, v, su, sv))) = self.queue.pop() else {
                 break;
             };
@@ -186,6 +206,7 @@ impl Collapse {
             }
             self.merge(u, v, p);
         }
+        Ok(())
     }
 
     fn merge(&mut self, u: u32, v: u32, p: DVec3) {
@@ -245,25 +266,36 @@ impl Collapse {
 
 /// Stand-ins with about `sizes` triangles (decreasing), coarsest first; sizes
 /// that the mesh does not clearly exceed are left out.
-pub fn ladder(mesh: &Mesh, sizes: &[usize]) -> Vec<Mesh> {
+///
+/// # Errors
+/// [`DecomposeError::Cancelled`].
+pub fn ladder(
+    mesh: &Mesh,
+    sizes: &[usize],
+    control: &Control,
+) -> Result<Vec<Mesh>, DecomposeError> {
     let wanted: Vec<usize> = sizes
         .iter()
         .copied()
         .filter(|&s| mesh.triangles.len() > s + s / 3)
         .collect();
-    if wanted.is_empty() {
-        return Vec::new();
+    let Some(&finest) = wanted.first() else {
+        return Ok(Vec::new());
+    };
+    let clustered;
+    let mut mesh = mesh;
+    if mesh.triangles.len() > LARGE * finest {
+        clustered = clustered_to(mesh, LARGE / 2 * finest, control)?;
+        mesh = &clustered;
     }
     let mut state = Collapse::new(mesh);
-    let mut ladder: Vec<Mesh> = wanted
-        .iter()
-        .map(|&size| {
-            state.run(size);
-            state.snapshot()
-        })
-        .collect();
+    let mut ladder = Vec::new();
+    for size in wanted {
+        state.run(size, control)?;
+        ladder.push(state.snapshot());
+    }
     ladder.reverse();
-    ladder
+    Ok(ladder)
 }
 
 #[cfg(test)]
@@ -306,7 +338,7 @@ mod tests {
     fn a_sphere_keeps_its_volume() {
         let mesh = sphere(40);
         let whole = Piece::from(&mesh).volume();
-        let ladder = ladder(&mesh, &[1200, 300]);
+        let ladder = ladder(&mesh, &[1200, 300], &Control::default()).unwrap();
         assert_eq!(ladder.len(), 2);
         for (stand_in, size) in ladder.iter().zip([300, 1200]) {
             assert!(stand_in.triangles.len() <= size);
@@ -316,7 +348,26 @@ mod tests {
     }
 
     #[test]
+    fn large_meshes_are_clustered_first() {
+        let mesh = sphere(120);
+        let sizes = [1200, 300];
+        assert!(mesh.triangles.len() > LARGE * sizes[0]);
+        let whole = Piece::from(&mesh).volume();
+        let ladder = ladder(&mesh, &sizes, &Control::default()).unwrap();
+        assert_eq!(ladder.len(), 2);
+        for stand_in in &ladder {
+            let volume = Piece::from(stand_in).volume();
+            assert!((volume / whole - 1.0).abs() < 0.02, "{volume} {whole}");
+        }
+        let cancelled = Control::default();
+        cancelled.cancel();
+        let stopped = super::ladder(&mesh, &sizes, &cancelled);
+        assert!(matches!(stopped, Err(DecomposeError::Cancelled)));
+    }
+
+    #[test]
     fn small_meshes_need_no_stand_in() {
-        assert!(ladder(&sphere(6), &[1200, 300]).is_empty());
+        let ladder = ladder(&sphere(6), &[1200, 300], &Control::default());
+        assert!(ladder.unwrap().is_empty());
     }
 }

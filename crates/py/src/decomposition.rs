@@ -62,7 +62,7 @@ pub fn decompose<'py>(
     };
     let Decomposition { hulls, leaves } = match own {
         Some(found) => found,
-        None => watch::run(py, on_progress, |control| {
+        None => watch::run(py, on_progress, move |control| {
             core::decompose(&solid, epsilon, &settings, threads, control)
         })?
         .map_err(|e| decompose_error(py, &e))?,
@@ -97,7 +97,7 @@ pub fn parts<'py>(
 ) -> PyResult<Vec<Vec<MeshTuple<'py>>>> {
     let solid = mesh(py, &vertices, &faces)?;
     let settings = read_settings(py, settings)?;
-    let result = watch::run(py, None, |control| {
+    let result = watch::run(py, None, move |control| {
         core::parts(&solid, epsilon, &settings, threads, control)
     })?;
     let found = result.map_err(|e| decompose_error(py, &e))?;
@@ -136,7 +136,7 @@ pub fn thickening<'py>(
 ) -> PyResult<Vec<Bounds>> {
     let solid = mesh(py, &vertices, &faces)?;
     let meshes = convex_meshes(py, &hulls)?;
-    let result = watch::run(py, on_progress, |control| {
+    let result = watch::run(py, on_progress, move |control| {
         let cancelled = || control.is_cancelled();
         let limits = Limits {
             cells: 1_000_000,
@@ -168,7 +168,7 @@ pub fn concavity_terms<'py>(
     let solid = mesh(py, &vertices, &faces)?;
     let hull = assetpipe_geometry::hull::convex_hull(&solid.vertices)
         .map_err(|e| mesh_error(py, &e.to_string()))?;
-    watch::run(py, on_progress, |control| {
+    watch::run(py, on_progress, move |control| {
         let cancelled = || control.is_cancelled();
         let limits = Limits {
             cells: 100_000,
@@ -199,7 +199,7 @@ pub fn thickening_within<'py>(
 ) -> PyResult<Vec<Option<Bounds>>> {
     let solid = mesh(py, &vertices, &faces)?;
     let meshes = convex_meshes(py, &hulls)?;
-    watch::run(py, on_progress, |control| {
+    watch::run(py, on_progress, move |control| {
         let cancelled = || control.is_cancelled();
         let limits = Limits {
             cells: 20_000,
@@ -234,7 +234,7 @@ pub fn unreachable<'py>(
     on_progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(MeshTuple<'py>, usize, f64)> {
     let solid = mesh(py, &vertices, &faces)?;
-    let found = watch::run(py, on_progress, |control| {
+    let found = watch::run(py, on_progress, move |control| {
         reach::unreachable(&solid, radius, threads, control)
     })?
     .map_err(|e| decompose_error(py, &e))?;

@@ -34,6 +34,11 @@ pub fn engine_error(py: Python<'_>, message: &str) -> PyErr {
     raise(py, "EngineError", message)
 }
 
+/// `CancelledError`.
+pub fn cancelled_error(py: Python<'_>) -> PyErr {
+    raise(py, "CancelledError", "cancelled")
+}
+
 /// A decomposition's error.
 pub fn decompose_error(py: Python<'_>, error: &DecomposeError) -> PyErr {
     let class = match error {

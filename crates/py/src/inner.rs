@@ -52,7 +52,7 @@ pub fn inner_polytopes<'py>(
         most_vertices,
         samples,
     };
-    let result = watch::run(py, on_progress, |control| {
+    let result = watch::run(py, on_progress, move |control| {
         inner::inner_polytopes(&solid, &settings, control)
     })?;
     let (found, reached) = result.map_err(|e| decompose_error(py, &e))?;

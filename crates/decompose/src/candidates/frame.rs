@@ -8,6 +8,7 @@
 
 use assetpipe_geometry::Mesh;
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use super::{eigen, revolution};
 
@@ -36,27 +37,25 @@ pub fn choose(mesh: &Mesh) -> DMat3 {
         return DMat3::IDENTITY;
     }
     let clusters = clusters(&mut faces);
-    let mut best = (own, DMat3::IDENTITY);
+    let mut frames: Vec<DMat3> = Vec::new();
     for (i, &(first, area)) in clusters.iter().enumerate() {
-        let mut offer = |second: DVec3| {
-            let frame = frame(first, second);
-            let area = aligned(&faces, frame);
-            if area > best.0 {
-                best = (area, frame);
-            }
-        };
         let mut partner = false;
         for &(second, _) in &clusters[i + 1..] {
             if first.dot(second).abs() < 0.02 {
                 partner = true;
-                offer(second);
+                frames.push(frame(first, second));
             }
         }
         // A turned solid of revolution has one direction only.
         if !partner && area > SHARE * total {
-            offer(first.any_orthonormal_vector());
+            frames.push(frame(first, first.any_orthonormal_vector()));
         }
     }
+    let areas: Vec<f64> = frames.par_iter().map(|&f| aligned(&faces, f)).collect();
+    let best = areas
+        .into_iter()
+        .zip(frames)
+        .fold((own, DMat3::IDENTITY), |a, b| if b.0 > a.0 { b } else { a });
     if best.0 > GAIN * own && best.0 > own + SHARE * total {
         return best.1;
     }
@@ -134,7 +133,8 @@ fn clusters(faces: &mut [(DVec3, f64)]) -> Vec<(DVec3, f64)> {
     // Cells of a grid over the sphere, then neighbours gathered around the
     // heaviest cell first.
     let cell = |n: DVec3| (n * 64.0).round().to_array().map(|x| x as i64);
-    faces.sort_by(|a, b| cell(a.0).cmp(&cell(b.0)).then(a.1.total_cmp(&b.1)));
+    // Areas are positive: ordered as their bits are.
+    faces.sort_by_cached_key(|f| (cell(f.0), f.1.to_bits()));
     let mut cells: Vec<(DVec3, f64)> = faces
         .chunk_by(|a, b| cell(a.0) == cell(b.0))
         .map(|run| {

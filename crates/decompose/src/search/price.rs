@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use assetpipe_geometry::Plane;
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::piece::Piece;
 use super::policy::{Choice, Question};
@@ -76,7 +77,7 @@ pub fn price_all(
     let thin = |(lo, hi): (f64, f64)| hi - lo < q.settings.thinnest * q.epsilon;
     let all_thin = extents[..q.gridded].iter().all(|&e| thin(e));
     q.directions
-        .iter()
+        .par_iter()
         .enumerate()
         .map(|(d, basis)| {
             let (lo, hi) = extents[d];

@@ -2,6 +2,7 @@
 //! where it stops making progress.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::wide::Wide;
 use super::{Bounds, Bvh, Node, DEPTH};
@@ -17,26 +18,41 @@ struct Item {
     index: u32,
 }
 
+/// Fewer triangles are not worth another thread.
+const FEW: usize = 4096;
+
+/// Whether to share the work on so many items. Only the threads of a pool that the caller has
+/// set up are used: starting one is not for a hierarchy to decide.
+fn is_shared(count: usize) -> bool {
+    count > FEW && rayon::current_thread_index().is_some()
+}
+
+/// All of `0..count`, in order.
+fn each<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    if is_shared(count) {
+        (0..count).into_par_iter().map(make).collect()
+    } else {
+        (0..count).map(make).collect()
+    }
+}
+
 pub(super) fn build(mesh: &Mesh) -> Bvh {
-    let mut items: Vec<Item> = (0..mesh.triangles.len())
-        .map(|t| {
-            let bounds = Bounds::around(mesh.corners(t));
-            Item {
-                bounds,
-                centre: bounds.centre(),
-                index: t as u32,
-            }
-        })
-        .collect();
+    let mut items: Vec<Item> = each(mesh.triangles.len(), |t| {
+        let bounds = Bounds::around(mesh.corners(t));
+        Item {
+            bounds,
+            centre: bounds.centre(),
+            index: t as u32,
+        }
+    });
     let mut nodes = Vec::with_capacity(items.len());
     if !items.is_empty() {
         split(&mut items, 0, 0, &mut nodes);
     }
     Bvh {
-        triangles: items
-            .iter()
-            .map(|item| Triangle::new(mesh.corners(item.index as usize)))
-            .collect(),
+        triangles: each(items.len(), |slot| {
+            Triangle::new(mesh.corners(items[slot].index as usize))
+        }),
         original: items.iter().map(|item| item.index).collect(),
         wide: Wide::new(&nodes),
         nodes,
@@ -61,12 +77,35 @@ fn split(items: &mut [Item], first: usize, depth: usize, nodes: &mut Vec<Node>) 
         None
     }
     .unwrap_or_else(|| partition_at_median(items));
+    let shared = is_shared(items.len());
     let (left, right) = items.split_at_mut(middle);
-    split(left, first, depth + 1, nodes);
-    let second = nodes.len() as u32;
-    split(right, first + middle, depth + 1, nodes);
-    nodes[at].first = second;
+    if shared {
+        let subtree = |items: &mut [Item], first: usize| {
+            let mut nodes = Vec::with_capacity(items.len());
+            split(items, first, depth + 1, &mut nodes);
+            nodes
+        };
+        let (left, right) = rayon::join(|| subtree(left, first), || subtree(right, first + middle));
+        append(nodes, left);
+        nodes[at].first = nodes.len() as u32;
+        append(nodes, right);
+    } else {
+        split(left, first, depth + 1, nodes);
+        nodes[at].first = nodes.len() as u32;
+        split(right, first + middle, depth + 1, nodes);
+    }
     nodes[at].count = 0;
+}
+
+/// Put a subtree that was built by itself behind others.
+fn append(nodes: &mut Vec<Node>, subtree: Vec<Node>) {
+    let shift = nodes.len() as u32;
+    nodes.extend(subtree.into_iter().map(|mut node| {
+        if node.count == 0 {
+            node.first += shift;
+        }
+        node
+    }));
 }
 
 fn half_area(b: &Bounds) -> f64 {

@@ -76,7 +76,7 @@ fn collapse(hull: &Mesh, max_vertices: usize, reach: f64) -> Result<Mesh, HullEr
     let size = (high - low).max_element();
     let mut growing = Growing::new(&hull.vertices, 3.0 * size)?;
     let mut pricing = Pricing {
-        within: Within { hull, reach },
+        within: Within::of(hull, reach),
         size,
         lift: 16.0 * rounding.crossing(),
         // Every collapse adds one point and removes at least two.
@@ -117,22 +117,31 @@ fn collapse(hull: &Mesh, max_vertices: usize, reach: f64) -> Result<Mesh, HullEr
 }
 
 /// The points near a hull.
-struct Within<'a> {
-    hull: &'a Mesh,
+struct Within {
+    faces: Vec<Triangle>,
     reach: f64,
 }
 
-impl Within<'_> {
+impl Within {
+    fn of(hull: &Mesh, reach: f64) -> Within {
+        let faces = if reach.is_infinite() {
+            Vec::new()
+        } else {
+            hull.faces().map(Triangle::new).collect()
+        };
+        Within { faces, reach }
+    }
+
     fn contains(&self, point: DVec3) -> bool {
         let reach2 = self.reach * self.reach;
-        let near = |corners| Triangle::new(corners).distance2(point) <= reach2;
-        self.reach.is_infinite() || self.hull.faces().any(near)
+        let near = |face: &Triangle| face.distance2(point) <= reach2;
+        self.reach.is_infinite() || self.faces.iter().any(near)
     }
 }
 
 /// What collapses cost.
-struct Pricing<'a> {
-    within: Within<'a>,
+struct Pricing {
+    within: Within,
     /// Of the hull: no new point lies farther out.
     size: f64,
     /// How far beyond the faces a new point must lie for the signs to be certain.
@@ -142,7 +151,7 @@ struct Pricing<'a> {
     queue: BinaryHeap<Candidate>,
 }
 
-impl Pricing<'_> {
+impl Pricing {
     fn age(&self, a: u32, b: u32) -> u32 {
         self.changes[a as usize] + self.changes[b as usize]
     }
