@@ -28,6 +28,7 @@ def buried(work: Work, job: Job) -> Work:
         resolution=RESOLUTION,
         floor=job.thickness,
         ceiling=job.thickness,
+        deadline=job.deadline,
     )
     kept = [patch for patch, a in zip(work.patches, apart, strict=True) if a > job.thickness]
     gone = [

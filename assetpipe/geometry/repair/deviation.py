@@ -12,6 +12,7 @@ import numpy as np
 
 from assetpipe.geometry.health.topology import face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.result import Deviation
 from assetpipe.geometry.repair.surface import NEAR, Corners, Surface
@@ -21,7 +22,7 @@ Arrays = tuple[FloatArray, IntArray]
 RESOLUTION = 5e-4
 """How sharp measured bounds are, in units."""
 _SAMPLES = 4000
-_TRIANGLES = 80_000
+_TRIANGLES = 40_000
 _SHARP = 1.05
 
 
@@ -49,12 +50,21 @@ def farthest(
     side: Side,
     resolution: float,
     floor: float = 0.0,
+    deadline: Deadline = NEVER,
 ) -> float:
     """Upper bound on the distance of any point of triangles to a surface (see below)."""
     owner = np.zeros(len(corners), dtype=np.int64)
-    return float(
-        farthest_each(surface, corners, owner, 1, side=side, resolution=resolution, floor=floor)[0]
+    each = farthest_each(
+        surface,
+        corners,
+        owner,
+        1,
+        side=side,
+        resolution=resolution,
+        floor=floor,
+        deadline=deadline,
     )
+    return float(each[0])
 
 
 def farthest_each(
@@ -67,6 +77,7 @@ def farthest_each(
     resolution: float,
     floor: float = 0.0,
     ceiling: float = np.inf,
+    deadline: Deadline = NEVER,
 ) -> FloatArray:
     """Upper bounds on the distance of any point of groups of triangles to a surface.
 
@@ -79,12 +90,14 @@ def farthest_each(
         resolution: how much larger than 1.05 of the truth a bound may be, if affordable.
         floor: bounds below need not be sharp.
         ceiling: bounds above need not be sharp.
+        deadline: past which LimitError is raised.
 
     Returns:
         (owners,) bounds.
     """
     reached, settled = np.zeros(owners), np.zeros(owners)
     while len(corners):
+        deadline.check()
         centre = corners.mean(axis=1)
         radius = np.sqrt(((corners - centre[:, None]) ** 2).sum(axis=2).max(axis=1))
         distance, face, _ = surface.closest(centre)

@@ -70,7 +70,7 @@ def divided(work: Work, faces: IntArray, job: Job) -> Work:
     clock = process_time()
     parts = by_cells(work.vertices, faces)
     if parts.fault > 0.0:
-        job.check_time()
+        job.deadline.check()
         pieces = work.pieces or paired(work.vertices, faces)
         parts = min(parts, by_brackets(pieces), key=lambda p: p.fault)
     steps: tuple[Step, ...] = ()
@@ -91,12 +91,12 @@ def by_cells(vertices: FloatArray, faces: IntArray) -> Divided:
     shells: list[Shell] = []
     if len(parts.skin):
         shells = shells_of(*split_nonmanifold(*referenced(vertices, parts.skin))[:2])
-    result = _divided(shells, _connected(vertices, parts.sheets))
+    result = _divided(shells, connected(vertices, parts.sheets))
     if not len(parts.inner):
         return result
     # Cells that leak may put faces inside which are not: these are at fault, too. Then
     # whether the others are wholly inside is for the next rung to prove.
-    inner = _connected(vertices, parts.inner)
+    inner = connected(vertices, parts.inner)
     outside = sum(_area(patch) for patch in inner)
     if shells:
         solid = Surface(*put_together([s if s.volume > 0.0 else s.reversed() for s in shells]))
@@ -108,7 +108,7 @@ def by_cells(vertices: FloatArray, faces: IntArray) -> Divided:
     return replace(result, sheets=result.sheets + tuple(inner), fault=fault)
 
 
-def _connected(vertices: FloatArray, faces: IntArray) -> list[Patch]:
+def connected(vertices: FloatArray, faces: IntArray) -> list[Patch]:
     """Faces by edge-connected component."""
     if not len(faces):
         return []

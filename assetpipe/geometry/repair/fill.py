@@ -85,6 +85,7 @@ def capped(vertices: FloatArray, faces: IntArray, job: Job) -> Capped:
         resolution=RESOLUTION,
         floor=job.budget / 4.0,
         ceiling=job.budget,
+        deadline=job.deadline,
     )
     return Capped(
         apart,

@@ -14,7 +14,8 @@ from assetpipe.geometry.mesh import IntArray, Mesh
 from assetpipe.geometry.repair.bury import buried
 from assetpipe.geometry.repair.check import defect
 from assetpipe.geometry.repair.clean import one_of_each, weld_exactly
-from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, quantile
+from assetpipe.geometry.repair.deadline import Deadline
+from assetpipe.geometry.repair.deviation import RESOLUTION, Side, farthest, quantile
 from assetpipe.geometry.repair.divide import divided, enclosing_nothing, flattened
 from assetpipe.geometry.repair.fill import filled
 from assetpipe.geometry.repair.frame import Frame
@@ -24,10 +25,10 @@ from assetpipe.geometry.repair.prepare import halved, set_aside, stitched, wound
 from assetpipe.geometry.repair.result import Deviation, Repaired, Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.stiffen import thickened
-from assetpipe.geometry.repair.surface import Surface
+from assetpipe.geometry.repair.surface import Corners, Surface
 from assetpipe.geometry.repair.unite import Shell, unite
 from assetpipe.geometry.repair.work import Job, Work, stacked
-from assetpipe.geometry.repair.wrap import wrapped
+from assetpipe.geometry.repair.wrap import enclosed, wrapped
 
 _ROUNDING = 1e-11
 """Units below which a measured distance is rounding of the measurement."""
@@ -86,7 +87,7 @@ def _refused(why: str, work: Work | None = None, hint: str | None = None) -> Rep
 
 
 def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
-    clock = process_time()
+    clock, deadline = process_time(), Deadline.after(limits.seconds)
     weld = weld_exactly(mesh.vertices, mesh.faces)
     steps: tuple[Step, ...] = ()
     if weld.welded or weld.degenerate or weld.repeated:
@@ -111,7 +112,7 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
         limits,
         policy.budget_on(mesh) / frame.scale,
         policy.thickness_on(mesh) / frame.scale,
-        clock + limits.seconds,
+        deadline,
     )
     work = set_aside(Work(units, weld.faces, steps=steps), job)
     work = flattened(work, job)
@@ -122,7 +123,7 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     work = _completed(work.after(faces=one_of_each(odd)), job)
     if work.patches:
         return _refused(_open(work, odd), work)
-    job.check_time()
+    job.deadline.check()
     return _finished(disentangled(work, job), job)
 
 
@@ -130,17 +131,25 @@ def _completed(work: Work, job: Job) -> Work:
     """The rungs for open pieces, one after the other."""
     if len(work.faces):
         work = wound(stitched(wound(work, job), job), job)
-        job.check_time()
-        work = filled(work, job)
-        work = divided(work, one_of_each(work.faces), job)
+        job.deadline.check()
+        before, work = work, _capped(work, job)
+        if work.patches and job.policy.openings in ("auto", "fill"):
+            whole = enclosed(before, work, job)
+            work = work if whole is None else _capped(whole, job)
     work = buried(work, job)
     if not work.patches or job.policy.openings == "refuse":
         return work
     if job.policy.openings != "sheet":
         work = wrapped(work, job)
         work = buried(work, job)
-    job.check_time()
+    job.deadline.check()
     return thickened(work, job)
+
+
+def _capped(work: Work, job: Job) -> Work:
+    """Caps over openings, and what they close taken apart."""
+    work = filled(work, job)
+    return buried(divided(work, one_of_each(work.faces), job), job)
 
 
 def _open(work: Work, odd: IntArray) -> str:
@@ -233,10 +242,21 @@ def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
         return Deviation()
     scale = job.frame.scale
     after = Surface(job.frame.inward(solid.vertices), solid.faces)
-    # What was given a thickness lies about that far away: no need to know it more sharply.
-    floor = max(job.budget / 10.0, work.beside)
-    added = farthest(job.surface, fresh, side="surface", resolution=RESOLUTION, floor=floor)
-    removed = farthest(after, lost, side="solid", resolution=RESOLUTION, floor=job.budget / 10.0)
+
+    def bound(target: Surface, corners: Corners, side: Side, floor: float) -> float:
+        sharp = max(job.budget / 10.0, floor)
+        return farthest(
+            target,
+            corners,
+            side=side,
+            resolution=RESOLUTION,
+            floor=sharp,
+            deadline=job.deadline,
+        )
+
+    # What was put beside lies about that far away: no need to know the rest more sharply.
+    added = bound(job.surface, fresh, "surface", work.beside)
+    removed = bound(after, lost, "solid", 0.0)
     added, removed = max(added, work.beside) + work.displacement, removed + work.displacement
     if max(removed, added) < _ROUNDING:
         return Deviation()

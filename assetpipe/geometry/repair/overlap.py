@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from assetpipe.geometry.health.topology import face_areas
 from assetpipe.geometry.mesh import FloatArray
+from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, arrays_of, manifold_of, shells_of, unite
@@ -24,6 +25,9 @@ _POINTS = 256
 _ASIDE = 7.7e-6
 _SURE = 32
 _DEPTH = 5
+_TRIED = 3
+_HOPELESS = 0.7
+"""Where three halvings leave more than this share of the overlap, two more do not help."""
 _ON_PLANE = 1e-9
 TANGLED = 5e-3
 """Share of the area that may lie inside the shell itself."""
@@ -40,9 +44,8 @@ def disentangled(work: Work, job: Job) -> Work:
         if overlap(shell) <= TANGLED:
             shells.append(shell)
             continue
-        job.check_time()
         outward = shell if shell.volume > 0.0 else shell.reversed()
-        parts = untangled(outward)
+        parts = untangled(outward, job.deadline)
         lost.append(shell.vertices[shell.faces])
         fresh += [part.vertices[part.faces] for part in parts or [shell]]
         if parts is None:
@@ -103,7 +106,7 @@ def _wrong(winding: FloatArray) -> npt.NDArray[np.bool_]:
     return np.concatenate([below, above])
 
 
-def untangled(shell: Shell) -> list[Shell] | None:
+def untangled(shell: Shell, deadline: Deadline = NEVER) -> list[Shell] | None:
     """The union of what an outward shell encloses; ``None`` if it does not come out sound.
 
     What it encloses twice or inside-out it encloses once afterwards.
@@ -112,18 +115,25 @@ def untangled(shell: Shell) -> list[Shell] | None:
     if solid is None:
         return None
     low, high = shell.vertices.min(axis=0), shell.vertices.max(axis=0)
+    before = overlap(shell)
     for depth in range(1, _DEPTH + 1):
-        whole = _halved(solid, low, high, depth)
+        whole = _halved(solid, low, high, depth, deadline)
         if whole is None:
             return None
         parts = shells_of(*arrays_of(whole))
-        if all(overlap(part) <= TANGLED for part in parts if part.volume > 0.0):
+        left = max((overlap(part) for part in parts if part.volume > 0.0), default=0.0)
+        if left <= TANGLED:
             return parts
+        if depth >= _TRIED and left > _HOPELESS * before:
+            return None
     return None
 
 
-def _halved(solid: Any, low: FloatArray, high: FloatArray, depth: int) -> Any | None:
+def _halved(
+    solid: Any, low: FloatArray, high: FloatArray, depth: int, deadline: Deadline
+) -> Any | None:
     """Cut along the longest side, make each half sound, and put them together."""
+    deadline.check()
     if depth == 0:
         united = unite(tuple(shells_of(*arrays_of(solid))), "keep")
         return None if united is None else manifold_of(united.vertices, united.faces)
@@ -138,7 +148,7 @@ def _halved(solid: Any, low: FloatArray, high: FloatArray, depth: int) -> Any | 
         if half.is_empty():
             continue
         flat = _flattened(half, axis, at)
-        sound = None if flat is None else _halved(flat, start, end, depth - 1)
+        sound = None if flat is None else _halved(flat, start, end, depth - 1, deadline)
         flat = None if sound is None else _flattened(sound, axis, at)
         if flat is None:
             return None

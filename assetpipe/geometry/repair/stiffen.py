@@ -29,7 +29,7 @@ def thickened(work: Work, job: Job) -> Work:
     findings = [finding for patch in work.patches for finding in _wide(patch, job)]
     slabs = []
     for sheet in work.patches:
-        job.check_time()
+        job.deadline.check()
         for vertices, faces in manifold_pieces(sheet.vertices, one_of_each(sheet.faces)):
             bounds, wound = _turned(vertices, faces)
             side: Literal["inward", "centred"] = "inward" if bounds else "centred"
@@ -39,7 +39,14 @@ def thickened(work: Work, job: Job) -> Work:
     beside = max(slab.away for slab in slabs)
     moved = max(
         beside,
-        farthest(job.surface, caps, side="surface", resolution=RESOLUTION, floor=beside),
+        farthest(
+            job.surface,
+            caps,
+            side="surface",
+            resolution=RESOLUTION,
+            floor=beside,
+            deadline=job.deadline,
+        ),
     )
     step = Step(
         Rung.SHEET,

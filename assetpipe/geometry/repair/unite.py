@@ -14,10 +14,12 @@ import numpy as np
 from assetpipe.geometry.health.topology import Edges, face_components, groups
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
-from assetpipe.geometry.repair.surface import Corners, no_corners
+from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
 
 _BELOW = 1e-4
 """How far below a face to look, in proportion to the face."""
+_OUTSIDE = 0.1
+"""Fast winding number below which a point is outside of a closed shell for sure."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,13 +91,14 @@ def nest(shells: list[Shell]) -> Nest:
     low = np.array([shell.vertices.min(axis=0) for shell in shells])
     high = np.array([shell.vertices.max(axis=0) for shell in shells])
     size = np.array([abs(shell.volume) for shell in shells])
+    fields = [Surface(shell.vertices, shell.faces) for shell in shells]
     parent = [-1] * number
     roots = list(range(number))
     touching = 0
     for i in range(number):
         around = np.flatnonzero((low <= low[i]).all(axis=1) & (high >= high[i]).all(axis=1))
         around = around[(around != i) & (size[around] > size[i])]
-        holders = [int(j) for j in around if _contains(shells[int(j)], shells[i])]
+        holders = [int(j) for j in around if _contains(fields[int(j)], shells[i])]
         if holders:
             parent[i] = min(holders, key=lambda j: (size[j], j))
         overlap = ((low <= high[i]) & (high >= low[i])).all(axis=1)
@@ -113,7 +116,7 @@ def nest(shells: list[Shell]) -> Nest:
     return Nest(tuple(turned), inverted, tuple(parent), touching)
 
 
-def _contains(outer: Shell, inner: Shell) -> bool:
+def _contains(outer: Surface, inner: Shell) -> bool:
     """Whether ``inner`` lies within ``outer``; it may touch it from inside.
 
     Judged at 32 points just below its faces, whichever way it is wound.
@@ -125,6 +128,9 @@ def _contains(outer: Shell, inner: Shell) -> bool:
     length = np.linalg.norm(normal, axis=1)
     down = -np.sign(inner.volume) * _BELOW / np.sqrt(np.maximum(length, np.finfo(float).tiny))
     points = corners.mean(axis=1) + down[:, None] * normal
+    # Fast winding numbers tell what is far outside; exact ones are dear.
+    if (np.abs(outer.winding(points)) < _OUTSIDE).any():
+        return False
     winding = igl.winding_number(outer.vertices, outer.faces, points)
     return bool((np.abs(winding) > 0.5).all())
 

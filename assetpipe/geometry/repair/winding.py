@@ -15,6 +15,7 @@ import numpy as np
 from assetpipe.geometry.health.topology import distinct, missing
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import arrays_of, manifold_of, signed_volume
@@ -57,7 +58,11 @@ class Lattice:
 
 
 def solid_of_soup(
-    vertices: FloatArray, faces: IntArray, cell: float, cells: int
+    vertices: FloatArray,
+    faces: IntArray,
+    cell: float,
+    cells: int,
+    deadline: Deadline = NEVER,
 ) -> tuple[FloatArray, IntArray] | None:
     """The closed surface around all points with a winding number above one half.
 
@@ -66,6 +71,7 @@ def solid_of_soup(
         faces: (m, 3), wound as consistently as may be.
         cell: edge of the grid's cells.
         cells: how many there may be.
+        deadline: past which LimitError is raised.
 
     Returns:
         Vertices and faces, closed and outward; ``None`` if nothing is enclosed or the
@@ -74,7 +80,7 @@ def solid_of_soup(
     import igl
 
     surface = Surface(vertices, faces)
-    found = _cells(surface, cell, cells)
+    found = _cells(surface, cell, cells, deadline)
     if found is None:
         return None
     lattice, active, corner_codes, values = found
@@ -105,7 +111,7 @@ _MARCHING_ORDER = np.array(
 
 
 def _cells(
-    surface: Surface, cell: float, limit: int
+    surface: Surface, cell: float, limit: int, deadline: Deadline
 ) -> tuple[Lattice, IntArray, IntArray, FloatArray] | None:
     """Cells that the surface of level one half passes, followed wherever it leads."""
     import igl
@@ -122,6 +128,7 @@ def _cells(
     values = np.zeros(0)
     fresh = active
     for _ in range(_ROUNDS):
+        deadline.check()
         corners = lattice.code(lattice.ijk(fresh)[:, None] + _CORNERS)
         unknown = missing(corners, codes)
         codes = np.concatenate([codes, unknown])

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from time import process_time
 from typing import Any
 
 import numpy as np
 
-from assetpipe.errors import LimitError
 from assetpipe.findings import Finding
 from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
+from assetpipe.geometry.repair.deadline import Deadline
 from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.policy import RepairLimits, RepairPolicy
 from assetpipe.geometry.repair.result import Step
@@ -56,7 +55,7 @@ class Job:
         surface: the input's surface, units.
         budget: units.
         thickness: of sheets, units.
-        deadline: process time after which no further step begins.
+        deadline: of the whole repair.
     """
 
     mesh: Mesh
@@ -66,12 +65,7 @@ class Job:
     limits: RepairLimits
     budget: float
     thickness: float
-    deadline: float
-
-    def check_time(self) -> None:
-        """Raise LimitError once the deadline has passed."""
-        if process_time() > self.deadline:
-            raise LimitError(f"repair took more than {self.limits.seconds:g} s")
+    deadline: Deadline
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from time import process_time
+from typing import Literal
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import components
-from assetpipe.geometry.mesh import FloatArray, IntArray
-from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, farthest_each
+from assetpipe.geometry.health.topology import Edges, components, face_components
+from assetpipe.geometry.mesh import FloatArray
+from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, farthest_each, quantile
+from assetpipe.geometry.repair.divide import connected
+from assetpipe.geometry.repair.fill import MINOR
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.surface import Surface
-from assetpipe.geometry.repair.unite import shells_of
+from assetpipe.geometry.repair.unite import Shell, shells_of
 from assetpipe.geometry.repair.winding import solid_of_soup
 from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
 
@@ -26,34 +30,20 @@ def wrapped(work: Work, job: Job) -> Work:
         return work
     clock = process_time()
     shells, kept = list(work.shells), []
-    fresh, lost = [work.fresh], [work.lost]
+    lost = [work.lost]
     moved = 0.0
     number = 0
     for group in _neighbours(work.patches, job.budget):
-        job.check_time()
+        job.deadline.check()
         patches = [work.patches[i] for i in group]
-        found = _wrap(patches, job)
+        found = _wrap(patches, job, minor="kept")
         if found is None:
             kept += patches
             continue
-        (vertices, faces), apart = found
-        shells += shells_of(vertices, faces)
-        fresh.append(vertices[faces])
+        shells += found.shells
         lost += [patch.corners for patch in patches]
-        # What stands out of the solid stays for the next rung.
-        solid = Surface(vertices, faces)
-        out = farthest_each(
-            solid,
-            stacked(*(patch.corners for patch in patches)),
-            np.repeat(np.arange(len(patches)), [len(patch.faces) for patch in patches]),
-            len(patches),
-            side="solid",
-            resolution=RESOLUTION,
-            floor=job.budget,
-            ceiling=job.budget,
-        )
-        kept += [patch for patch, far in zip(patches, out, strict=True) if far > job.budget]
-        moved = max(moved, apart)
+        kept += [patches[i] for i in found.outside]
+        moved = max(moved, found.apart)
         number += len(patches)
     if not number:
         return work
@@ -68,25 +58,104 @@ def wrapped(work: Work, job: Job) -> Work:
         step,
         shells=tuple(shells),
         patches=tuple(kept),
-        fresh=stacked(*fresh),
         lost=stacked(*lost),
+        beside=max(work.beside, moved),
     )
 
 
-def _wrap(patches: list[Patch], job: Job) -> tuple[tuple[FloatArray, IntArray], float] | None:
-    """The solid of some patches and how far it lies from the input, if within the budget."""
+def enclosed(before: Work, after: Work, job: Job) -> Work | None:
+    """Rung: open pieces whose borders nearly meet become the solid that they enclose together.
+
+    Caps are no answer to a body of many sheets: each closes one sheet by itself, near to the
+    sheets beside it, and what is between all of them is lost.
+
+    Args:
+        before: the pieces before caps were put over their openings.
+        after: the pieces with caps; some of them are still open.
+        job: as ever.
+
+    Returns:
+        ``before`` without the faces of all groups of pieces that ``after`` could not close and
+        that enclose a solid; their solids are among its shells. ``None`` if there are none.
+    """
+    clock = process_time()
+    sheets = connected(before.vertices, before.faces)
+    _, label = face_components(Edges.of(before.faces, len(before.vertices)))
+    still = np.concatenate([patch.vertices for patch in after.patches])
+    shells, lost = list(before.shells), [before.lost]
+    done: list[int] = []
+    moved = 0.0
+    for group in _neighbours(tuple(sheets), job.budget):
+        own = np.concatenate([sheets[i].vertices for i in group])
+        if len(group) < 2 or not _share_any(own, still):
+            continue
+        job.deadline.check()
+        found = _wrap([sheets[i] for i in group], job, minor="closed")
+        if found is None:
+            continue
+        shells += found.shells
+        lost += [sheets[i].corners for i in group]
+        done += [i for k, i in enumerate(group) if k not in found.outside]
+        moved = max(moved, found.apart)
+    if not done:
+        return None
+    step = Step(
+        Rung.WINDING,
+        f"made {len(done)} open pieces the solid that they enclose, by winding number",
+        moved=moved * job.frame.scale,
+        volume_change=None,
+        seconds=process_time() - clock,
+    )
+    return before.after(
+        step,
+        faces=before.faces[~np.isin(label, done)],
+        shells=tuple(shells),
+        lost=stacked(*lost),
+        beside=max(before.beside, moved),
+    )
+
+
+def _share_any(points: FloatArray, others: FloatArray) -> bool:
+    """Whether some point is among others, bit for bit."""
+    rows = np.dtype((np.void, 24))
+    a, b = (np.ascontiguousarray(p + 0.0).view(rows).ravel() for p in (points, others))
+    return bool(np.isin(a, b).any())
+
+
+@dataclass(frozen=True, eq=False)
+class Wrap:
+    """A solid in place of some patches.
+
+    Attributes:
+        shells: its surface.
+        apart: bound on how far that lies from the input, units.
+        outside: which patches stand out of it by more than the budget.
+    """
+
+    shells: list[Shell]
+    apart: float
+    outside: list[int]
+
+
+def _wrap(patches: list[Patch], job: Job, minor: Literal["kept", "closed"]) -> Wrap | None:
+    """The solid of some patches, if its surface lies within the budget of the input.
+
+    ``minor="closed"``: but for a share of its area that is minor.
+    """
     vertices = np.concatenate([patch.vertices for patch in patches])
     offsets = np.cumsum([0, *(len(patch.vertices) for patch in patches)])
     faces = np.concatenate([patch.faces + at for patch, at in zip(patches, offsets, strict=False)])
     allowed = np.inf if job.policy.openings == "fill" else job.budget
-    trial = solid_of_soup(vertices, faces, _TRIAL, job.limits.cells)
+    trial = solid_of_soup(vertices, faces, _TRIAL, job.limits.cells, job.deadline)
     if trial is None:
         return None
-    strayed = job.surface.distance(trial[0])
-    if float(strayed.max()) > allowed + _TRIAL:
+    share = 1.0 if minor == "kept" else 1.0 - MINOR
+    if quantile(job.surface, trial, side="surface", share=share) > allowed + _TRIAL:
         return None
-    fine = solid_of_soup(vertices, faces, CELL, job.limits.cells)
+    fine = solid_of_soup(vertices, faces, CELL, job.limits.cells, job.deadline)
     if fine is None:
+        return None
+    if quantile(job.surface, fine, side="surface", share=share) > allowed:
         return None
     apart = farthest(
         job.surface,
@@ -94,8 +163,22 @@ def _wrap(patches: list[Patch], job: Job) -> tuple[tuple[FloatArray, IntArray], 
         side="surface",
         resolution=RESOLUTION,
         floor=job.budget / 4.0,
+        deadline=job.deadline,
     )
-    return (fine, apart) if apart <= allowed else None
+    if apart > allowed and minor == "kept":
+        return None
+    out = farthest_each(
+        Surface(*fine),
+        stacked(*(patch.corners for patch in patches)),
+        np.repeat(np.arange(len(patches)), [len(patch.faces) for patch in patches]),
+        len(patches),
+        side="solid",
+        resolution=RESOLUTION,
+        floor=job.budget,
+        ceiling=job.budget,
+        deadline=job.deadline,
+    )
+    return Wrap(shells_of(*fine), apart, np.flatnonzero(out > job.budget).tolist())
 
 
 def _neighbours(patches: tuple[Patch, ...], margin: float) -> list[list[int]]:
