@@ -125,6 +125,9 @@ pub struct SearchSettings {
     pub oblique: usize,
     /// The least length of edges that such a plane resolves.
     pub notched: f64,
+    /// Planes that resolve this share of a part's reflex edges are candidates of the second cut
+    /// too.
+    pub second_share: f64,
     /// The frame of the cuts.
     pub frame: FrameChoice,
     /// How far hulls may reach outward to have fewer vertices.
@@ -175,6 +178,7 @@ impl Default for SearchSettings {
             second_faces: 6,
             oblique: 4,
             notched: 4.0,
+            second_share: 0.4,
             frame: FrameChoice::Faces,
             slim: 0.1,
             gap: 0.05,
@@ -299,6 +303,7 @@ impl SearchSettings {
             "faces" => self.faces = number(name, value)?,
             "face" => self.face = number(name, value)?,
             "oblique" => self.oblique = number(name, value)?,
+            "second_share" => self.second_share = number(name, value)?,
             "notched" => self.notched = number(name, value)?,
             "second_faces" => self.second_faces = number(name, value)?,
             _ => return Err(format!("'{name}' is no parameter of the search")),

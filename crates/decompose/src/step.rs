@@ -154,11 +154,16 @@ fn cut(
     let (mut extra, mut extra_second) = (flat(settings.faces), flat(settings.second_faces));
     let gridded = directions.len();
     let least = settings.notched * epsilon;
-    for plane in notch::planes(&part.notches, epsilon, least, settings.oblique) {
+    for (plane, share) in notch::planes(&part.notches, epsilon, least, settings.oblique) {
         if open(plane.normal) {
             directions.push(Basis::along(plane.normal));
             extra.push(vec![plane.offset]);
-            extra_second.push(Vec::new());
+            let second = share >= settings.second_share;
+            extra_second.push(if second {
+                vec![plane.offset]
+            } else {
+                Vec::new()
+            });
         }
     }
     let question = Question {

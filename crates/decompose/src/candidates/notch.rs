@@ -198,9 +198,11 @@ pub fn within(notches: &[Notch], (lo, hi): (DVec3, DVec3)) -> Vec<Notch> {
 }
 
 /// At most `most` planes that are along none of the axes, those first that resolve most: length
-/// of edges, at least `least` in all, times how reflex they are.
-pub fn planes(notches: &[Notch], epsilon: f64, least: f64, most: usize) -> Vec<Plane> {
+/// of edges, at least `least` in all, times how reflex they are. Each with the share of the
+/// part's that it resolves.
+pub fn planes(notches: &[Notch], epsilon: f64, least: f64, most: usize) -> Vec<(Plane, f64)> {
     let slack = COPLANAR * epsilon;
+    let all: f64 = notches.iter().map(Notch::weight).sum();
     let mut leading: Vec<&Notch> = notches.iter().collect();
     leading.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
     leading.truncate(LEADING);
@@ -241,7 +243,10 @@ pub fn planes(notches: &[Notch], epsilon: f64, least: f64, most: usize) -> Vec<P
         }
     }
     offers.sort_by(|a, b| b.0.total_cmp(&a.0));
-    offers.into_iter().take(most).map(|o| o.1).collect()
+    let shares = offers.into_iter().take(most);
+    shares
+        .map(|(weight, plane)| (plane, weight / all))
+        .collect()
 }
 
 fn same(a: &Plane, b: &Plane, slack: f64) -> bool {
@@ -310,7 +315,10 @@ mod tests {
             let mesh = star(turn);
             let notches = find(&mesh);
             assert_eq!(notches.len(), 3);
-            let planes = planes(&notches, 0.02, 0.1, 8);
+            let planes: Vec<Plane> = planes(&notches, 0.02, 0.1, 8)
+                .into_iter()
+                .map(|p| p.0)
+                .collect();
             assert!(!planes.is_empty());
             // The plane between two arms cuts one off, and it is convex.
             let whole = Piece::from(&mesh);
