@@ -36,7 +36,7 @@ OnProgress = Callable[[float], object]
 _SETTINGS: dict[Effort, dict[str, str | float]] = {
     "fast": {"expand": 6, "quota": 2, "planes": 14, "second": 6, "samples": 1000},
     "balanced": {},
-    "best": {"ways": "2,2,2,2", "gap": 0.005, "cells": 20000},
+    "best": {"ways": "2,2,2,2", "gap": 0.004, "cells": 200000},
 }
 
 

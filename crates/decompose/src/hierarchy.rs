@@ -23,10 +23,17 @@ use crate::merge::Proved;
 
 /// How close the bounds of coarser levels are brought to one another: they are
 /// read, not searched with.
-const COARSE: Gap = Gap {
-    relative: 0.1,
-    absolute: 1e-4,
-};
+fn coarse<'a>(finish: &Finish<'a>) -> (Gap, Limits<'a>) {
+    let gap = Gap {
+        relative: 2.0 * finish.gap.relative,
+        absolute: 1e-4,
+    };
+    let limits = Limits {
+        cells: finish.cells.min(20_000),
+        ..*finish.judge.limits
+    };
+    (gap, limits)
+}
 
 /// Pairs that are looked at for one that can be joined ahead of its turn.
 const LOOK_AHEAD: usize = 8;
@@ -169,11 +176,8 @@ fn join(
     let known = (estimate - finish.judge.solid.slack())
         .max(a.proved.thickening.lower)
         .max(b.proved.thickening.lower);
-    let limits = Limits {
-        cells: finish.cells,
-        ..*finish.judge.limits
-    };
-    let thickening = bounds_above(finish.judge.solid, &hull, known, COARSE, &limits);
+    let (gap, limits) = coarse(finish);
+    let thickening = bounds_above(finish.judge.solid, &hull, known, gap, &limits);
     let mut members: Vec<u32> = a
         .proved
         .members
