@@ -300,28 +300,21 @@ class _Reader:
             parents[parsed.child] = name
             found[name] = self._joint(element, parsed)
         kept = {n: found[n] for n in _without_loops(found, self)}
-        return tuple(self._with_sound_mimic(joint, kept) for joint in kept.values())
+        dead = _dead_mimics(kept)
+        return tuple(self._with_sound_mimic(joint, dead) for joint in kept.values())
 
-    def _with_sound_mimic(self, joint: Joint, joints: Mapping[str, Joint]) -> Joint:
+    def _with_sound_mimic(self, joint: Joint, dead: Mapping[str, str]) -> Joint:
         """The joint; without its mimic where that leads nowhere or in a circle."""
-        passed = [joint.name]
-        followed = joint
-        while followed.mimic is not None:
-            name = followed.mimic.joint
-            if name in joints and name not in passed:
-                passed.append(name)
-                followed = joints[name]
-                continue
-            why = "mimics itself" if name in joints else unknown_name("joint", name, joints)
-            self._say(
-                "AP105",
-                joint.line,
-                f"joint '{joint.name}' mimics '{joint.mimic.joint if joint.mimic else name}': "
-                f"{why}; it counts as free",
-                severity=Severity.ERROR,
-            )
-            return replace(joint, mimic=None)
-        return joint
+        if joint.mimic is None or joint.name not in dead:
+            return joint
+        self._say(
+            "AP105",
+            joint.line,
+            f"joint '{joint.name}' mimics '{joint.mimic.joint}': {dead[joint.name]}; "
+            "it counts as free",
+            severity=Severity.ERROR,
+        )
+        return replace(joint, mimic=None)
 
     def _joint(self, element: Element, parsed: Any) -> Joint:
         length = float(np.linalg.norm(parsed.axis))
@@ -366,6 +359,34 @@ def _finite(value: float | None) -> float | None:
 
 def _is_uri(text: str) -> bool:
     return text.strip().lower().startswith(("package://", "model://", "file://"))
+
+
+def _dead_mimics(joints: Mapping[str, Joint]) -> dict[str, str]:
+    """Joints that follow none that is free, and why; each joint is looked at once."""
+    dead: dict[str, str] = {}
+    sound: set[str] = set()
+    for start in joints:
+        path: dict[str, None] = {}
+        name = start
+        why = ""
+        while not why and name not in sound:
+            if name not in joints:
+                why = unknown_name("joint", name, joints)
+            elif name in dead:
+                why = dead[name]
+            elif name in path:
+                why = "mimics itself"
+            else:
+                path[name] = None
+                mimic = joints[name].mimic
+                if mimic is None:
+                    break
+                name = mimic.joint
+        if why:
+            dead |= dict.fromkeys(path, why)
+        else:
+            sound.update(path)
+    return dead
 
 
 def _without_loops(joints: Mapping[str, Joint], reader: _Reader) -> list[str]:

@@ -24,6 +24,7 @@ from assetpipe.geometry.health.topology import (
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.cells import separate
+from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.overlap import overlap
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import pair_half_edges, split_nonmanifold
@@ -68,11 +69,11 @@ def divided(work: Work, faces: IntArray, job: Job) -> Work:
     if not len(faces):
         return work
     clock = process_time()
-    parts = by_cells(work.vertices, faces)
+    parts = by_cells(work.vertices, faces, job.deadline)
     if parts.fault > 0.0:
         job.deadline.check()
         pieces = work.pieces or paired(work.vertices, faces)
-        parts = min(parts, by_brackets(pieces), key=lambda p: p.fault)
+        parts = min(parts, by_brackets(pieces, job.deadline), key=lambda p: p.fault)
     steps: tuple[Step, ...] = ()
     if parts.shells:
         what = f"took {len(faces)} faces at irregular edges apart into {len(parts.shells)} shells"
@@ -85,13 +86,13 @@ def divided(work: Work, faces: IntArray, job: Job) -> Work:
     )
 
 
-def by_cells(vertices: FloatArray, faces: IntArray) -> Divided:
+def by_cells(vertices: FloatArray, faces: IntArray, deadline: Deadline = NEVER) -> Divided:
     """Divide by cells of space, see :mod:`cells`."""
     parts = separate(vertices, faces)
     shells: list[Shell] = []
     if len(parts.skin):
         shells = shells_of(*split_nonmanifold(*referenced(vertices, parts.skin))[:2])
-    result = _divided(shells, connected(vertices, parts.sheets))
+    result = _divided(shells, connected(vertices, parts.sheets), deadline)
     if not len(parts.inner):
         return result
     # Cells that leak may put faces inside which are not: these are at fault, too. Then
@@ -116,13 +117,13 @@ def connected(vertices: FloatArray, faces: IntArray) -> list[Patch]:
     return [Patch(*referenced(vertices, faces[chosen])) for chosen in groups(label, number)]
 
 
-def by_brackets(pieces: tuple[Piece, ...]) -> Divided:
+def by_brackets(pieces: tuple[Piece, ...], deadline: Deadline = NEVER) -> Divided:
     """Divide by winding: pieces that are closed are shells."""
     shells: list[Shell] = []
     for piece in pieces:
         if piece.closed:
             shells += shells_of(*split_nonmanifold(piece.vertices, piece.faces)[:2])
-    return _divided(shells, [Patch(p.vertices, p.faces) for p in pieces if not p.closed])
+    return _divided(shells, [Patch(p.vertices, p.faces) for p in pieces if not p.closed], deadline)
 
 
 def paired(vertices: FloatArray, faces: IntArray) -> tuple[Piece, ...]:
@@ -142,11 +143,13 @@ def paired(vertices: FloatArray, faces: IntArray) -> tuple[Piece, ...]:
     )
 
 
-def _divided(shells: list[Shell], sheets: list[Patch]) -> Divided:
+def _divided(shells: list[Shell], sheets: list[Patch], deadline: Deadline) -> Divided:
     bodies = [shell for shell in shells if not enclosing_nothing(shell)]
     sheets = sheets + [Patch(s.vertices, s.faces) for s in shells if enclosing_nothing(s)]
     fault = sum(_area(sheet) for sheet in sheets)
-    fault += sum(_area(shell) * overlap(shell) + _WORSE * _distorted(shell) for shell in bodies)
+    for shell in bodies:
+        deadline.check()
+        fault += _area(shell) * overlap(shell) + _WORSE * _distorted(shell)
     return Divided(tuple(bodies), tuple(sheets), fault)
 
 

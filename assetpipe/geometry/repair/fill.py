@@ -73,7 +73,10 @@ def capped(vertices: FloatArray, faces: IntArray, job: Job) -> Capped:
     apart = vertices[source]
     loops = boundary_loops(corners, first, second)
     found = tuple(opening_of(apart, loop) for loop in loops)
-    caps = tuple(cap(apart, opening) for opening in found)
+    caps = []
+    for opening in found:
+        job.deadline.check()
+        caps.append(cap(apart, opening))
     at = np.zeros(number, dtype=np.int64)
     at[corners.ravel()] = np.repeat(piece, 3)
     distance = farthest_each(
@@ -95,7 +98,7 @@ def capped(vertices: FloatArray, faces: IntArray, job: Job) -> Capped:
         pieces,
         found,
         np.array([at[loop[0]] for loop in loops], dtype=np.int64),
-        caps,
+        tuple(caps),
         distance,
         np.array([float(face_areas(apart, own)[0].sum()) for own in caps]),
     )
@@ -111,6 +114,7 @@ def filled(work: Work, job: Job) -> Work:
     pieces: list[Piece] = []
     taken: list[int] = []
     for k, chosen in enumerate(groups(trial.piece, trial.pieces)):
+        job.deadline.check()
         own = np.flatnonzero(trial.owner == k)
         wanted = own[_acceptable(trial.apart[own], trial.areas[own], float(area[k]), job)]
         whole = np.concatenate([trial.faces[chosen], *(trial.caps[i] for i in wanted)])

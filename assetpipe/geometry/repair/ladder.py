@@ -166,7 +166,7 @@ def _finished(work: Work, job: Job) -> Repaired:
     work = work.after(lost=stacked(work.lost, *flat))
     if not shells:
         return _refused("it encloses no volume", work)
-    united = unite(shells, job.policy.cavities)
+    united = unite(shells, job.policy.cavities, job.deadline)
     if united is None:
         return _refused("the union of its pieces failed", work)
     work = work.after(lost=stacked(work.lost, united.gone), fresh=stacked(work.fresh, united.put))

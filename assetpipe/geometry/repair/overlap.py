@@ -41,6 +41,7 @@ def disentangled(work: Work, job: Job) -> Work:
     change = 0.0
     fresh, lost = [work.fresh], [work.lost]
     for shell in work.shells:
+        job.deadline.check()
         if overlap(shell) <= TANGLED:
             shells.append(shell)
             continue
@@ -135,7 +136,7 @@ def _halved(
     """Cut along the longest side, make each half sound, and put them together."""
     deadline.check()
     if depth == 0:
-        united = unite(tuple(shells_of(*arrays_of(solid))), "keep")
+        united = unite(tuple(shells_of(*arrays_of(solid))), "keep", deadline)
         return None if united is None else manifold_of(united.vertices, united.faces)
     axis = int(np.argmax(high - low))
     at = float(low[axis] + high[axis]) / 2.0

@@ -90,6 +90,7 @@ def stitched(work: Work, job: Job) -> Work:
         if left == 0.0 or tolerance > job.budget:
             break
         for join in (weld_boundary, insert_junctions, weld_boundary):
+            job.deadline.check()
             tried = join(vertices, faces, tolerance)
             if not tried.welded and not tried.inserted:
                 continue

@@ -26,10 +26,10 @@ def thickened(work: Work, job: Job) -> Work:
         return work
     clock = process_time()
     scale = job.frame.scale
-    findings = [finding for patch in work.patches for finding in _wide(patch, job)]
-    slabs = []
+    findings, slabs = [], []
     for sheet in work.patches:
         job.deadline.check()
+        findings += _wide(sheet, job)
         for vertices, faces in manifold_pieces(sheet.vertices, one_of_each(sheet.faces)):
             bounds, wound = _turned(vertices, faces)
             side: Literal["inward", "centred"] = "inward" if bounds else "centred"

@@ -38,8 +38,8 @@ def boundary_length(vertices: FloatArray, faces: IntArray) -> float:
 def weld_boundary(vertices: FloatArray, faces: IntArray, tolerance: float) -> Stitched:
     """Join boundary vertices closer than ``tolerance`` into the first of each cluster.
 
-    Clusters are connected by pairs within the tolerance; the displacement is measured,
-    as chains may be longer than one tolerance.
+    Clusters are connected by pairs within the tolerance. They may be longer than that;
+    what lies farther from the first stays.
     """
     from scipy.spatial import cKDTree
 
@@ -53,7 +53,9 @@ def weld_boundary(vertices: FloatArray, faces: IntArray, tolerance: float) -> St
     _, label = components(len(rim), pairs[:, 0], pairs[:, 1])
     _, lead = np.unique(label, return_index=True)
     target = rim[lead[label]]
-    displacement = float(np.linalg.norm(vertices[target] - vertices[rim], axis=1).max())
+    distance = np.linalg.norm(vertices[target] - vertices[rim], axis=1)
+    target = np.where(distance <= tolerance, target, rim)
+    displacement = float(distance[distance <= tolerance].max())
     to = np.arange(len(vertices))
     to[rim] = target
     faces = to[faces]

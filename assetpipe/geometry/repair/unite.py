@@ -14,6 +14,7 @@ import numpy as np
 from assetpipe.geometry.health.topology import Edges, face_components, groups
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
 
 _BELOW = 1e-4
@@ -81,7 +82,7 @@ def shells_of(vertices: FloatArray, faces: IntArray) -> list[Shell]:
     return [Shell.of(vertices, faces[chosen]) for chosen in groups(label, number)]
 
 
-def nest(shells: list[Shell]) -> Nest:
+def nest(shells: list[Shell], deadline: Deadline = NEVER) -> Nest:
     """Find which shell lies in which, and turn the outermost outward.
 
     A shell that lies inside another keeps its winding *relative* to the outermost one
@@ -96,6 +97,7 @@ def nest(shells: list[Shell]) -> Nest:
     roots = list(range(number))
     touching = 0
     for i in range(number):
+        deadline.check()
         around = np.flatnonzero((low <= low[i]).all(axis=1) & (high >= high[i]).all(axis=1))
         around = around[(around != i) & (size[around] > size[i])]
         holders = [int(j) for j in around if _contains(fields[int(j)], shells[i])]
@@ -163,13 +165,15 @@ class United:
     turned: Corners = field(default_factory=no_corners)
 
 
-def unite(shells: tuple[Shell, ...], cavities: Literal["keep", "fill"]) -> United | None:
+def unite(
+    shells: tuple[Shell, ...], cavities: Literal["keep", "fill"], deadline: Deadline = NEVER
+) -> United | None:
     """The union of all bodies, each an outward shell less the cavities right inside it.
 
     Returns:
         ``None`` if manifold3d refuses a shell.
     """
-    nested = nest(list(shells))
+    nested = nest(list(shells), deadline)
     turned = np.concatenate(
         [
             no_corners(),
@@ -196,7 +200,7 @@ def unite(shells: tuple[Shell, ...], cavities: Literal["keep", "fill"]) -> Unite
         vertices, faces = put_together([shells[i] for i in sorted([*bodies, *kept])])
         joined: Literal["alone", "apart"] = "alone" if len(bodies) + len(kept) == 1 else "apart"
         return United(vertices, faces, nested.inverted, len(voids), len(covered), joined)
-    merged = _boolean(shells, bodies + covered, kept, parent)
+    merged = _boolean(shells, bodies + covered, kept, parent, deadline)
     if merged is None:
         return None
     union, gone, put = merged
@@ -245,7 +249,11 @@ def arrays_of(solid: Any) -> tuple[FloatArray, IntArray]:
 
 
 def _boolean(
-    shells: tuple[Shell, ...], bodies: list[int], voids: list[int], parent: tuple[int, ...]
+    shells: tuple[Shell, ...],
+    bodies: list[int],
+    voids: list[int],
+    parent: tuple[int, ...],
+    deadline: Deadline,
 ) -> tuple[Any, Corners, Corners] | None:
     """The union as a manifold3d solid, and the triangles that it took away and put instead.
 
@@ -268,6 +276,7 @@ def _boolean(
 
     solids: list[Any] = []
     for i in bodies:
+        deadline.check()
         solid = taken(shells[i] if shells[i].volume >= 0.0 else shells[i].reversed())
         for j in voids:
             if solid is not None and parent[j] == i:

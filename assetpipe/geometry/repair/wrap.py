@@ -15,7 +15,7 @@ from assetpipe.geometry.repair.divide import connected
 from assetpipe.geometry.repair.fill import MINOR
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.surface import Surface
-from assetpipe.geometry.repair.unite import Shell, shells_of
+from assetpipe.geometry.repair.unite import Shell, shells_of, signed_volume
 from assetpipe.geometry.repair.winding import solid_of_soup
 from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
 
@@ -145,12 +145,15 @@ def _wrap(patches: list[Patch], job: Job, minor: Literal["kept", "closed"]) -> W
     vertices = np.concatenate([patch.vertices for patch in patches])
     offsets = np.cumsum([0, *(len(patch.vertices) for patch in patches)])
     faces = np.concatenate([patch.faces + at for patch, at in zip(patches, offsets, strict=False)])
+    if signed_volume(vertices, faces) < 0.0:
+        faces = faces[:, ::-1]
     allowed = np.inf if job.policy.openings == "fill" else job.budget
     trial = solid_of_soup(vertices, faces, _TRIAL, job.limits.cells, job.deadline)
     if trial is None:
         return None
-    share = 1.0 if minor == "kept" else 1.0 - MINOR
-    if quantile(job.surface, trial, side="surface", share=share) > allowed + _TRIAL:
+    # The coarse solid is as far off as the fine one; only its farthest point is rough.
+    share, enough = (1.0, allowed + _TRIAL) if minor == "kept" else (1.0 - MINOR, 1.2 * allowed)
+    if quantile(job.surface, trial, side="surface", share=share) > enough:
         return None
     fine = solid_of_soup(vertices, faces, CELL, job.limits.cells, job.deadline)
     if fine is None:

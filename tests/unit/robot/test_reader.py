@@ -1,6 +1,7 @@
 """Reading: every element is there, and what is wrong is told with its line."""
 
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 import pytest
@@ -238,6 +239,20 @@ def test_mimics_that_lead_nowhere_count_as_free(
     assert len([f for f in result.findings if f.code == "AP105"]) == (
         len(mimics) - len({"1", "2"} - free)
     )
+
+
+def test_a_ring_of_a_thousand_mimics_is_told_soon(tmp_path: Path) -> None:
+    number = 1000
+    links = "".join(f'<link name="{k}"/>' for k in range(number + 1))
+    joints = "".join(
+        joint(f"j{k}", str(k), str(k + 1), f'<mimic joint="j{(k + 1) % number}"/>')
+        for k in range(number)
+    )
+    clock = process_time()
+    result = read(tmp_path, f'<robot name="r">{links}{joints}</robot>')
+    assert process_time() - clock < 5.0
+    assert all(j.mimic is None for j in result.robot.joints)
+    assert len([f for f in result.findings if "mimics itself" in f.message]) == number
 
 
 def test_not_well_formed_is_an_error_or_a_finding(tmp_path: Path) -> None:
