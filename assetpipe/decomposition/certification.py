@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from assetpipe.decomposition.certificate import Certificate, Interval
+from assetpipe.decomposition.engine import is_closed
+from assetpipe.errors import MeshError
 from assetpipe.geometry.mesh import Mesh
 
 
@@ -30,11 +32,13 @@ def certify(
         of other origin has no part.
 
     Raises:
-        MeshError: a hull spans no volume, or values are not finite.
+        MeshError: the solid is not closed, a hull spans no volume, or values are not finite.
     """
     from assetpipe import _core
 
     mesh = Mesh.of(solid)
+    if not len(mesh.faces) or not is_closed(mesh):
+        raise MeshError("certificates are towards a closed solid, and the mesh is none: repair it")
     points = [_points(hull) for hull in hulls]
     bounds = _core.thickening(
         np.ascontiguousarray(mesh.vertices), np.ascontiguousarray(mesh.faces), points, on_progress

@@ -39,6 +39,9 @@ _SETTINGS: dict[Effort, dict[str, str | float]] = {
     "best": {"ways": "2,2,2,2", "gap": 0.004, "cells": 200000},
 }
 
+_LARGEST = 1e60
+"""Metres; and its inverse is the smallest: cubes and squares of areas stay numbers."""
+
 
 def decompose(
     mesh: Mesh | trimesh.Trimesh | tuple[Any, Any],
@@ -200,6 +203,12 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
     """
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
+    size = float(np.abs(mesh.bounds).max())
+    if size > _LARGEST or 0.0 < size < 1.0 / _LARGEST:
+        raise MeshError(
+            f"coordinates of the mesh are up to {size:g} m; volumes can be computed from "
+            f"{1.0 / _LARGEST:g} m to {_LARGEST:g} m"
+        )
     closed, edges = _edges(mesh)
     if cavities == "keep" and closed and mesh.volume > 0 and not _repeats_faces(mesh, edges):
         return mesh, None

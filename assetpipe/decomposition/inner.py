@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assetpipe.decomposition.polytope import Polytope
 from assetpipe.errors import UsageError
-from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh, locked
+from assetpipe.geometry.mesh import Mesh
 
 if TYPE_CHECKING:
     import trimesh
@@ -22,38 +23,12 @@ _SAMPLES = 4000
 
 
 @dataclass(frozen=True, eq=False)
-class InnerHull:
+class InnerHull(Polytope):
     """A convex polytope wholly inside a solid: contact with it is contact with the solid.
 
     Proved for the vertices as they stand, by exact predicates: the polytope's interior
     meets no face of the solid, and one of its points is inside.
-
-    Attributes:
-        vertices: (k, 3) float64, metres, only extreme points.
-        faces: (f, 3) int64, counter-clockwise seen from outside.
-        volume: m³.
     """
-
-    vertices: FloatArray
-    faces: IntArray
-    volume: float
-
-    def __post_init__(self) -> None:
-        locked(self.vertices)
-        locked(self.faces)
-
-    @property
-    def mesh(self) -> Mesh:
-        """The polytope as a mesh."""
-        return Mesh(self.vertices, self.faces)
-
-    def as_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        return {
-            "vertices": len(self.vertices),
-            "faces": len(self.faces),
-            "volume": self.volume,
-        }
 
 
 def inner_hulls(

@@ -17,6 +17,7 @@ import numpy as np
 from assetpipe.decomposition.certificate import Certificate, Interval
 from assetpipe.decomposition.hull import Hull
 from assetpipe.geometry.mesh import FloatArray, Mesh, locked
+from assetpipe.geometry.products import moved, turned
 
 Kind = Literal["box", "cylinder", "capsule", "sphere"]
 KINDS: tuple[Kind, ...] = ("box", "cylinder", "capsule", "sphere")
@@ -25,6 +26,8 @@ SIDES = 32
 """Of the polytopes around round shapes: they reach 0.5% of the radius beyond."""
 _MARGIN = 1e-11
 """Of the size: room for the rounding of angles and of numbers in a file."""
+_DIGITS, _WIDER = 12, 1e-9
+"""Of cosines, and by how much of the radius polytopes are wider for their sake."""
 _PRICES: dict[Kind, float] = {"box": 1.0, "sphere": 1.0, "cylinder": 1.01, "capsule": 1.03}
 """Of a unit of volume: shapes about as small are chosen for being simple."""
 _SLIM = (0.1, 0.03, 0.01)
@@ -68,7 +71,7 @@ class Primitive:
     def depth(self, points: FloatArray) -> FloatArray:
         """How deep points (n, 3) lie in the shape, metres (n,); negative outside, where it is
         minus the largest excess over one of the bounds."""
-        local = (points - self.frame[:3, 3]) @ self.frame[:3, :3]
+        local = turned(points - self.frame[:3, 3], self.frame[:3, :3].T)
         if self.kind == "box":
             deep: FloatArray = (0.5 * np.asarray(self.size) - np.abs(local)).min(axis=1)
             return deep
@@ -89,7 +92,7 @@ class Primitive:
         touch it."""
         from assetpipe import _core
 
-        points = self._around() @ self.frame[:3, :3].T + self.frame[:3, 3]
+        points = moved(self._around(), self.frame)
         return Mesh(*_core.convex_hull(np.ascontiguousarray(points)))
 
     def _around(self) -> FloatArray:
@@ -98,26 +101,27 @@ class Primitive:
             signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
             corners: FloatArray = 0.5 * signs * np.asarray(self.size)
             return corners
+        # Rounded, since the last digits of cosines are the machine's, and widened by more.
         turn = 2.0 * np.pi * np.arange(SIDES) / SIDES
-        ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        ring = np.round(np.stack([np.cos(turn), np.sin(turn)], axis=1), _DIGITS) + 0.0
         # The regular polygon around the unit circle.
-        outer = 1.0 / np.cos(np.pi / SIDES)
-        radius = self.size[0]
+        outer = np.round(1.0 / np.cos(np.pi / SIDES), _DIGITS)
+        radius = self.size[0] * (1.0 + _WIDER)
         if self.kind == "cylinder":
             half = 0.5 * self.size[1]
             disk = outer * radius * ring
             return np.vstack([np.insert(disk, 2, z, axis=1) for z in (-half, half)])
         # Each point of the sphere is within half a side of both angles of some point here.
-        tilt = np.pi * np.arange(SIDES // 2 + 1) / (SIDES // 2) - 0.5 * np.pi
+        upright = ring[: SIDES // 2 + 1]
         ball: FloatArray = np.stack(
             [
-                (np.cos(tilt)[:, None] * ring[:, 0]).ravel(),
-                (np.cos(tilt)[:, None] * ring[:, 1]).ravel(),
-                np.repeat(np.sin(tilt), SIDES),
+                np.outer(upright[:, 1], ring[:, 0]).ravel(),
+                np.outer(upright[:, 1], ring[:, 1]).ravel(),
+                np.repeat(upright[:, 0], SIDES),
             ],
             axis=1,
         )
-        ball = np.unique(np.round(ball, 12), axis=0) * (radius * outer**2 * (1.0 + 1e-9))
+        ball = np.unique(np.round(ball, _DIGITS), axis=0) * (radius * outer * outer)
         if self.kind == "sphere":
             return ball
         half = 0.5 * self.size[1]

@@ -19,6 +19,7 @@ from assetpipe.decomposition.certificate import Certificate, Interval
 from assetpipe.decomposition.hull import Hull
 from assetpipe.errors import CancelledError
 from assetpipe.geometry.mesh import FloatArray, Mesh
+from assetpipe.geometry.products import products
 
 _TOUCHING = 1e-9
 """Of the solid's diagonal: hulls nearer than that are neighbours."""
@@ -111,10 +112,10 @@ def _clipped(mesh: Mesh, by: Mesh, offset: float) -> FloatArray | None:
     lengths = np.linalg.norm(normals, axis=1)
     sound = lengths > 0.0
     normals = normals[sound] / lengths[sound, None]
-    offsets = np.einsum("ij,ij->i", normals, a[sound]) + offset
+    offsets = products(normals, a[sound]) + offset
     vertices, faces = np.array(mesh.vertices), np.array(mesh.faces)
     for normal, limit in zip(normals, offsets, strict=True):
-        heights = vertices @ normal - limit
+        heights = products(vertices, normal) - limit
         if (heights <= 0.0).all():
             continue
         if (heights >= 0.0).all():

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from assetpipe.errors import MeshError
+from assetpipe.geometry.products import moved, products
 
 if TYPE_CHECKING:
     import trimesh
@@ -102,7 +103,7 @@ class Mesh:
             return 0.0
         centre = self.bounds.mean(axis=0)
         a, b, c = (self.vertices[self.faces[:, k]] - centre for k in range(3))
-        return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+        return float(products(a, np.cross(b, c)).sum() / 6.0)
 
     @cached_property
     def area(self) -> float:
@@ -130,9 +131,8 @@ class Mesh:
         faces stay outward.
         """
         m = np.asarray(matrix, dtype=np.float64)
-        vertices = self.vertices @ m[:3, :3].T + m[:3, 3]
         faces = self.faces[:, ::-1] if np.linalg.det(m[:3, :3]) < 0 else self.faces
-        return Mesh(vertices, faces)
+        return Mesh(moved(self.vertices, m), faces)
 
     def scaled(self, factors: npt.ArrayLike) -> Mesh:
         """The mesh scaled along x, y, z; a mirroring scale flips the winding."""

@@ -24,6 +24,7 @@ import numpy as np
 
 from assetpipe.geometry.formats.raw import RawMesh
 from assetpipe.geometry.mesh import Mesh
+from assetpipe.geometry.products import turned
 
 AxisPolicy = Literal["trusted", "declared", "ignored"]
 """Whether a declared up-axis is believed: unless written by habit, always, or never."""
@@ -69,5 +70,5 @@ def to_metres_z_up(raw: RawMesh, *, axes: AxisPolicy = "trusted") -> Converted:
             )
         else:
             notes.append(f"turned from {raw.up_axis} to Z_UP")
-            vertices = vertices @ _Z_UP_FROM[raw.up_axis].T
+            vertices = turned(vertices, _Z_UP_FROM[raw.up_axis])
     return Converted(Mesh(vertices, raw.faces), (*raw.notes, *notes))

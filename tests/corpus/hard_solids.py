@@ -240,6 +240,12 @@ def quantised(part: Arrays) -> Arrays:
     return np.asarray(part[0], dtype=np.float32).astype(float), part[1]
 
 
+def fine_ring(around: int) -> Arrays:
+    """A ring of around² faces."""
+    mesh = trimesh.creation.torus(0.35, 0.15, major_sections=around, minor_sections=around // 2)
+    return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+
+
 def prism(sides: int) -> Arrays:
     mesh = trimesh.creation.cylinder(0.5, 0.3, sections=sides)
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
@@ -279,7 +285,7 @@ SOLIDS: tuple[Solid, ...] = (
     Solid("feature", "bump 10^-6 on an angle", lambda: bump_on_angle(1e-6), (2, 2)),
     Solid("feature", "notch 10^-3", lambda: notched(1e-3), (1, 1)),
     Solid("crowd", "gridded angle", lambda: gridded(angle_plate(0.2), 3), (2, 2)),
-    Solid("crowd", "ball without an octant", lambda: bitten_ball(3), (3, 12)),
+    Solid("crowd", "ball without an octant", lambda: bitten_ball(3), (3, 3)),
     Solid("crowd", "geodesic ball", lambda: sphere(3), (1, 1)),
     Solid("crowd", "tube of 200 sides", lambda: tube_wall(0.1, 200), (6, 24), 0.03),
     Solid("lattice", "Menger sponge", sponge, (12, 20)),
@@ -293,6 +299,13 @@ SOLIDS: tuple[Solid, ...] = (
     Solid("topology", "interlocked rings", lambda: join(ring(), ring((0.3, 0, 0), True)), (8, 40)),
     Solid("topology", "grate of genus 16", lambda: grate(4), (9, 30)),
     Solid("opening", "deep hole wider than the tolerance", lambda: drilled(0.12), (2, 8)),
+    Solid(
+        "opening",
+        "deep hole wider, by concavity",
+        lambda: drilled(0.12),
+        (2, 20),
+        metric="concavity",
+    ),
     Solid("opening", "deep hole narrower", lambda: drilled(0.04), (1, 1)),
     Solid(
         "opening",
@@ -337,6 +350,12 @@ SOLIDS: tuple[Solid, ...] = (
         (10, 40),
         0.03,
     ),
+)
+
+LARGE: tuple[Solid, ...] = (
+    Solid("large", "ring of 10^5 faces", lambda: fine_ring(316), (6, 12), 0.03),
+    Solid("large", "ring of 10^6 faces", lambda: fine_ring(1000), (6, 12), 0.03),
+    Solid("large", "angle of 10^6 faces", lambda: gridded(angle_plate(0.2), 8), (2, 2)),
 )
 
 

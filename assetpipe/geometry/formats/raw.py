@@ -11,6 +11,7 @@ import numpy as np
 
 from assetpipe.errors import InputError, LimitError, Location
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.products import moved
 
 Axis = Literal["X_UP", "Y_UP", "Z_UP"]
 
@@ -79,7 +80,7 @@ class Part:
         """The part under a (4, 4) affine matrix; a mirroring one turns the winding."""
         linear = matrix[:3, :3]
         faces = self.faces[:, ::-1] if np.linalg.det(linear) < 0 else self.faces
-        return Part(self.vertices @ linear.T + matrix[:3, 3], faces)
+        return Part(moved(self.vertices, matrix), faces)
 
 
 def joined(parts: list[Part]) -> Part:

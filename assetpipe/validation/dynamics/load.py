@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from assetpipe.errors import InputError, Location, UsageError, unknown_name
+from assetpipe.errors import Location
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.mesh import FloatArray
 from assetpipe.validation.contact.probes import surface_samples
@@ -19,8 +19,7 @@ from assetpipe.validation.contact.surface import ConvexShape, Frame, Surface, ou
 from assetpipe.validation.dynamics.process import (
     EngineName,
     WorkerAnswer,
-    available_engines,
-    default_engine,
+    engine_for,
     run_worker,
 )
 from assetpipe.validation.statistics import Distribution, Rate
@@ -28,7 +27,6 @@ from assetpipe.validation.statistics import Distribution, Rate
 LoadOutcome = Literal["loaded", "refused", "crashed", "timed out", "not available"]
 ROUNDING = 1e-4
 """Metres by which an engine's distance may differ beside its collision margin."""
-MAX_URDF_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -211,14 +209,7 @@ def load_in_engine(
             what readers of robots tolerate.
         UsageError: an engine that does not exist or is not installed was asked for.
     """
-    if not urdf.is_file():
-        raise InputError("URDF does not exist", location=Location(urdf))
-    if urdf.stat().st_size > MAX_URDF_BYTES:
-        raise InputError("URDF is larger than 64 MiB", location=Location(urdf))
-    known = available_engines()
-    if engine is not None and engine not in known:
-        raise UsageError(unknown_name("installed engine", engine, known))
-    chosen = engine or default_engine()
+    chosen = engine_for(urdf, engine)
     if chosen is None:
         return EngineLoad(
             None,

@@ -18,12 +18,15 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal
 
+from assetpipe.errors import InputError, Location, UsageError, unknown_name
+
 EngineName = Literal["bullet", "mujoco"]
 Outcome = Literal["answered", "crashed", "timed out"]
 
 _MODULES: dict[EngineName, str] = {"bullet": "pybullet", "mujoco": "mujoco"}
 MEMORY_LIMIT = 8 << 30
 """Bytes of address space a worker may take."""
+MAX_URDF_BYTES = 64 << 20
 
 
 def available_engines() -> tuple[EngineName, ...]:
@@ -35,6 +38,24 @@ def default_engine() -> EngineName | None:
     """PyBullet where it has a wheel (CPython below 3.12), otherwise MuJoCo, otherwise none."""
     found = available_engines()
     return found[0] if found else None
+
+
+def engine_for(urdf: Path, engine: EngineName | None) -> EngineName | None:
+    """The engine that is to read a URDF: the one asked for, or the first that is installed.
+
+    Raises:
+        InputError: the file does not exist, or is larger than engines should be given.
+        UsageError: an engine that is not installed.
+    """
+    if not urdf.is_file():
+        raise InputError("URDF does not exist", location=Location(urdf))
+    if urdf.stat().st_size > MAX_URDF_BYTES:
+        limit = MAX_URDF_BYTES >> 20
+        raise InputError(f"URDF is larger than {limit} MiB", location=Location(urdf))
+    known = available_engines()
+    if engine is not None and engine not in known:
+        raise UsageError(unknown_name("installed engine", engine, known))
+    return engine or default_engine()
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from assetpipe.errors import InputError, Location, UsageError, unknown_name
+from assetpipe.errors import UsageError, unknown_name
 from assetpipe.validation.contact.pairs import Pair
 from assetpipe.validation.dynamics.load import rewrite
 from assetpipe.validation.dynamics.process import (
     EngineName,
-    available_engines,
-    default_engine,
+    engine_for,
     run_worker,
 )
 
@@ -119,19 +118,14 @@ def settle_in_engine(
         timeout: seconds of wall time.
 
     Raises:
-        InputError: the file does not exist or is not well-formed.
+        InputError: the file does not exist, is larger than 64 MiB or is not well-formed.
         UsageError: an engine that is not installed, a step that is not shorter than the run.
     """
     if base not in get_args(SettleBase):
         raise UsageError(unknown_name("base", base, get_args(SettleBase)))
     if not (0.0 < step < seconds < math.inf):
         raise UsageError(f"step ({step} s) must be positive and shorter than seconds ({seconds} s)")
-    if not urdf.is_file():
-        raise InputError("URDF does not exist", location=Location(urdf))
-    known = available_engines()
-    if engine is not None and engine not in known:
-        raise UsageError(unknown_name("installed engine", engine, known))
-    chosen = engine or default_engine()
+    chosen = engine_for(urdf, engine)
     if chosen is None:
         return Settling(
             None, base, step, seconds, "not available", "no physics engine is installed"

@@ -6,6 +6,7 @@ use assetpipe_geometry::Mesh;
 use glam::DMat3;
 use rayon::prelude::*;
 
+use crate::adopt::adopt;
 use crate::candidates::frame;
 use crate::canonical::ordered;
 use crate::close::close;
@@ -85,6 +86,11 @@ pub fn parts(
         let mut part = close(&[&cover.parts[member as usize]]);
         for p in &mut part.vertices {
             *p = working.input(*p);
+        }
+        if working.is_mirrored() {
+            for t in &mut part.triangles {
+                t.swap(1, 2);
+            }
         }
         part
     };
@@ -264,7 +270,8 @@ fn concave(
         epsilon: target,
         limits: &limits,
     };
-    let cover = cover(&copy, roots, &judge, settings, control)?;
+    let mut cover = cover(&copy, roots, &judge, settings, control)?;
+    adopt(&mut cover, &copy);
     let finish = Finish {
         working: &working,
         judge,

@@ -103,7 +103,7 @@ impl Finish<'_> {
                 parts[m as usize]
                     .points
                     .iter()
-                    .map(|&p| self.working.input(p))
+                    .flat_map(|&p| self.working.inputs(p))
             })
             .collect();
         let exact = convex_hull(&points).map_err(|e| internal(&e))?;

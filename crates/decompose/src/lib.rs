@@ -1,5 +1,6 @@
 //! Collision-aware approximate convex decomposition of solids.
 
+pub mod adopt;
 pub mod between;
 pub mod budget;
 pub mod candidates;
@@ -19,6 +20,7 @@ pub mod hierarchy;
 pub mod inner;
 pub mod judge;
 pub mod merge;
+pub mod orientation;
 pub mod part;
 pub mod prismatic;
 pub mod progress;

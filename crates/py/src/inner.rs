@@ -70,6 +70,12 @@ pub fn inner_polytopes<'py>(
 #[pyclass(frozen, module = "assetpipe._core")]
 pub struct SolidIndex(distance::SolidIndex);
 
+impl SolidIndex {
+    fn holds(&self, q: DVec3) -> bool {
+        self.0.bvh().side(q) != Side::Outside
+    }
+}
+
 #[pymethods]
 impl SolidIndex {
     #[new]
@@ -90,11 +96,7 @@ impl SolidIndex {
         py: Python<'py>,
         at: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let inside: Vec<bool> = points(py, &at)?
-            .into_iter()
-            .map(|q| self.0.bvh().side(q) != Side::Outside)
-            .collect();
-        Ok(inside.to_pyarray(py))
+        each(py, &at, |q| self.holds(q))
     }
 
     /// Whether any of the points (n, 3), moved by a pose (4, 4), is inside.
@@ -104,10 +106,7 @@ impl SolidIndex {
         points: PyReadonlyArray2<'_, f64>,
         own_from_points: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<bool> {
-        let pose = affine(py, &own_from_points)?;
-        Ok(crate::arrays::points(py, &points)?
-            .into_iter()
-            .any(|q| self.0.bvh().side(pose.transform_point3(q)) != Side::Outside))
+        any(py, &points, &own_from_points, |q| self.holds(q))
     }
 }
 
@@ -165,11 +164,7 @@ impl ConvexSet {
         py: Python<'py>,
         at: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let inside: Vec<bool> = points(py, &at)?
-            .into_iter()
-            .map(|q| self.holds(q))
-            .collect();
-        Ok(inside.to_pyarray(py))
+        each(py, &at, |q| self.holds(q))
     }
 
     /// Whether any of the points (n, 3), moved by a pose (4, 4), is in one of them.
@@ -179,11 +174,32 @@ impl ConvexSet {
         points: PyReadonlyArray2<'_, f64>,
         own_from_points: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<bool> {
-        let pose = affine(py, &own_from_points)?;
-        Ok(crate::arrays::points(py, &points)?
-            .into_iter()
-            .any(|q| self.holds(pose.transform_point3(q))))
+        any(py, &points, &own_from_points, |q| self.holds(q))
     }
+}
+
+/// The answer for each point (n, 3).
+fn each<'py>(
+    py: Python<'py>,
+    at: &PyReadonlyArray2<'py, f64>,
+    holds: impl Fn(DVec3) -> bool,
+) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    let inside: Vec<bool> = points(py, at)?.into_iter().map(holds).collect();
+    Ok(inside.to_pyarray(py))
+}
+
+/// Whether the answer is yes for any point (n, 3), moved by a pose (4, 4).
+fn any(
+    py: Python<'_>,
+    at: &PyReadonlyArray2<'_, f64>,
+    own_from_points: &PyReadonlyArray2<'_, f64>,
+    holds: impl Fn(DVec3) -> bool,
+) -> PyResult<bool> {
+    let pose = affine(py, own_from_points)?;
+    let mut moved = points(py, at)?
+        .into_iter()
+        .map(|q| pose.transform_point3(q));
+    Ok(moved.any(holds))
 }
 
 /// A homogeneous matrix (4, 4).

@@ -158,8 +158,7 @@ def test_a_worker_that_hangs_is_ended(engine, monkeypatch, tmp_path):
 
 def test_no_engine_is_a_note_and_not_a_pass(tmp_path, monkeypatch):
     urdf, _, _ = two_links(tmp_path)
-    monkeypatch.setattr(load_module, "available_engines", lambda: ())
-    monkeypatch.setattr(load_module, "default_engine", lambda: None)
+    monkeypatch.setattr(process, "available_engines", lambda: ())
     seen = load_in_engine(urdf, EXPECTED)
     assert seen.outcome == "not available"
     assert [(f.code, f.severity.value) for f in seen.findings()] == [("AP411", "note")]

@@ -96,6 +96,11 @@ def test_wrong_requests_are_refused(tmp_path):
         settle_in_engine(tmp_path / "none.urdf", base="fixed", step=9.0)
     with pytest.raises(UsageError, match=r"base 'fre' not found; did you mean 'free'"):
         settle_in_engine(tmp_path / "none.urdf", base="fre", step=0.01)
+    large = tmp_path / "large.urdf"
+    with large.open("wb") as file:
+        file.truncate((64 << 20) + 1)
+    with pytest.raises(InputError, match="larger than 64 MiB"):
+        settle_in_engine(large, base="fixed", step=0.01)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -3,14 +3,16 @@
 //! A part that was drawn along axes and then turned shows it by its faces:
 //! normals cluster, and two dominant clusters at right angles give the frame
 //! back. Taken only where it aligns materially more area than the mesh's axes
-//! do; without them a surface of revolution has its axis, and all other shapes
-//! keep their own (principal axes and tightest boxes cost hulls on average).
+//! do. A surface of revolution has its axis, unless flat faces beside it show
+//! another frame; all other shapes keep their own (principal axes and tightest
+//! boxes cost hulls on average).
 
 use assetpipe_geometry::Mesh;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::{eigen, revolution};
+use super::eigen;
+use super::revolution::{self, Axis};
 
 /// Cosine of the angle within which a face counts as aligned (1°).
 const ALIGNED: f64 = 0.999_85;
@@ -18,6 +20,8 @@ const ALIGNED: f64 = 0.999_85;
 /// share of all area more.
 const GAIN: f64 = 1.1;
 const SHARE: f64 = 0.1;
+/// Cosine of directions that count as at right angles.
+const SQUARE: f64 = 0.02;
 /// Clusters of normals that are looked at.
 const CLUSTERS: usize = 24;
 
@@ -29,19 +33,51 @@ pub fn choose(mesh: &Mesh) -> DMat3 {
             let normal = (b - a).cross(c - a);
             (canonical(normal.normalize_or_zero()), 0.5 * normal.length())
         })
-        .filter(|f| f.1 > 0.0)
         .collect();
     let total: f64 = faces.iter().map(|f| f.1).sum();
     let own = aligned(&faces, DMat3::IDENTITY);
     if own * GAIN >= total || own + SHARE * total >= total {
         return DMat3::IDENTITY;
     }
+    let axis = revolution::axis(mesh);
+    let unexplained: Vec<(DVec3, f64)> = axis.iter().flat_map(|a| beside(&faces, a)).collect();
     let clusters = clusters(&mut faces);
+    let flat = of_faces(&faces, &clusters, own, total);
+    // Flat faces that do not go round the axis show a frame, as where a ball lost a piece; those
+    // that do are the facets of what goes round.
+    match axis {
+        Some(Axis { direction, .. })
+            if !along(flat, direction) && aligned(&unexplained, flat) <= SHARE * total =>
+        {
+            let across = clusters.iter().find(|c| c.0.dot(direction).abs() < SQUARE);
+            let second = across.map_or(direction.any_orthonormal_vector(), |c| c.0);
+            frame(direction, second)
+        }
+        _ => flat,
+    }
+}
+
+/// The faces whose normals do not meet an axis.
+fn beside(faces: &[(DVec3, f64)], axis: &Axis) -> Vec<(DVec3, f64)> {
+    let each = faces.iter().zip(&axis.meets);
+    each.filter(|(_, meets)| !**meets)
+        .map(|(face, _)| *face)
+        .collect()
+}
+
+/// Whether an axis of the frame has this direction.
+fn along(frame: DMat3, direction: DVec3) -> bool {
+    (frame * direction).abs().max_element() > ALIGNED
+}
+
+/// The frame of two dominant clusters of flat faces, if it aligns materially more area than the
+/// mesh's axes.
+fn of_faces(faces: &[(DVec3, f64)], clusters: &[(DVec3, f64)], own: f64, total: f64) -> DMat3 {
     let mut frames: Vec<DMat3> = Vec::new();
     for (i, &(first, area)) in clusters.iter().enumerate() {
         let mut partner = false;
         for &(second, _) in &clusters[i + 1..] {
-            if first.dot(second).abs() < 0.02 {
+            if first.dot(second).abs() < SQUARE {
                 partner = true;
                 frames.push(frame(first, second));
             }
@@ -51,19 +87,15 @@ pub fn choose(mesh: &Mesh) -> DMat3 {
             frames.push(frame(first, first.any_orthonormal_vector()));
         }
     }
-    let areas: Vec<f64> = frames.par_iter().map(|&f| aligned(&faces, f)).collect();
+    let areas: Vec<f64> = frames.par_iter().map(|&f| aligned(faces, f)).collect();
     let best = areas
         .into_iter()
         .zip(frames)
         .fold((own, DMat3::IDENTITY), |a, b| if b.0 > a.0 { b } else { a });
     if best.0 > GAIN * own && best.0 > own + SHARE * total {
-        return best.1;
-    }
-    match revolution::axis(mesh) {
-        Some(axis) if axis.abs().max_element() < ALIGNED => {
-            frame(axis, axis.any_orthonormal_vector())
-        }
-        _ => DMat3::IDENTITY,
+        best.1
+    } else {
+        DMat3::IDENTITY
     }
 }
 
@@ -154,13 +186,13 @@ fn clusters(faces: &mut [(DVec3, f64)]) -> Vec<(DVec3, f64)> {
     found
 }
 
-/// How far a coordinate may be moved to make a face exactly flat, in the
-/// working copy (size one): the noise of single-precision files.
-const SNAP: f64 = 2.5e-7;
+/// How far a coordinate may be moved to make a face exactly flat, in the working copy (size one):
+/// the rounding of turning. More would be seen in what the parts fill.
+const SNAP: f64 = 64.0 * f64::EPSILON;
 
 /// Give the vertices of faces along an axis one common coordinate, so that a
-/// cut at a face is exact. No point moves by more than the returned distance.
-pub fn snap(mesh: &mut Mesh) -> f64 {
+/// cut at a face is exact.
+pub fn snap(mesh: &mut Mesh) {
     for axis in 0..3 {
         let mut flat = vec![false; mesh.vertices.len()];
         for t in 0..mesh.triangles.len() {
@@ -187,7 +219,6 @@ pub fn snap(mesh: &mut Mesh) -> f64 {
             *x = anchor;
         }
     }
-    3f64.sqrt() * SNAP
 }
 
 #[cfg(test)]
@@ -231,5 +262,52 @@ mod tests {
             assert!((n.abs().max_element() - 1.0).abs() < 1e-9);
         }
         assert_eq!(choose(&brick(DMat3::IDENTITY)), DMat3::IDENTITY);
+    }
+
+    /// A ring of so many facets around and across, round z.
+    fn ring(around: u32, across: u32) -> Mesh {
+        let turn = |k: u32, of: u32| std::f64::consts::TAU * f64::from(k) / f64::from(of);
+        let mut mesh = Mesh::default();
+        for i in 0..around {
+            for j in 0..across {
+                let (u, v) = (turn(i, around), turn(j, across));
+                let r = 1.0 + 0.3 * libm::cos(v);
+                let point = DVec3::new(r * libm::cos(u), r * libm::sin(u), 0.3 * libm::sin(v));
+                mesh.vertices.push(point);
+                let at = |i: u32, j: u32| i % around * across + j % across;
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn facets_of_a_turned_ring_do_not_hide_its_axis() {
+        let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
+        let mut mesh = ring(20, 12);
+        for p in &mut mesh.vertices {
+            *p = turn * *p;
+        }
+        assert!(along(choose(&mesh), turn * DVec3::Z));
+    }
+
+    #[test]
+    fn flat_faces_beside_a_surface_of_revolution_show_the_frame() {
+        // A body that goes round an oblique axis, with a slab beside it along the mesh's axes.
+        let turn = DMat3::from_quat(glam::DQuat::from_xyzw(0.3, 0.1, -0.5, 0.8).normalize());
+        let mut mesh = ring(60, 31);
+        for p in &mut mesh.vertices {
+            *p = turn * *p;
+        }
+        assert!(along(choose(&mesh), turn * DVec3::Z));
+        let slab = brick(DMat3::IDENTITY);
+        let first = mesh.vertices.len() as u32;
+        mesh.vertices
+            .extend(slab.vertices.iter().map(|&p| 0.32 * p - 0.4));
+        mesh.triangles
+            .extend(slab.triangles.iter().map(|t| t.map(|v| v + first)));
+        assert!(revolution::axis(&mesh).is_some(), "nothing is tested");
+        assert_eq!(choose(&mesh), DMat3::IDENTITY);
     }
 }

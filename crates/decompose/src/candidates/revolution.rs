@@ -12,17 +12,29 @@ use glam::DVec3;
 use super::eigen;
 
 const ROUNDS: usize = 6;
-/// Normals within this share of the size of the axis meet it.
-const MEETS: f64 = 0.01;
+/// Normals within this share of the size of the axis meet it; of large facets half a side, up to
+/// the second.
+const MEETS: (f64, f64) = (0.01, 0.03);
 /// So much of the area must meet the axis.
 const SHARE: f64 = 0.7;
 /// Eigenvalues closer than this to the smallest one leave the axis open: a sphere has many, and
 /// so have the flat sides of a box.
 const UNIQUE: f64 = 20.0;
+/// Of the area that meets the axis so much may meet the next best one too: a ball that lost a piece
+/// has an axis through the piece, and many others.
+const OTHER: f64 = 0.5;
 
-/// The direction of the axis that most of the surface goes round; `None` if it goes round none
-/// or round many.
-pub fn axis(mesh: &Mesh) -> Option<DVec3> {
+/// An axis that most of a surface goes round.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Its unit direction.
+    pub direction: DVec3,
+    /// For each triangle whether its normal meets the axis.
+    pub meets: Vec<bool>,
+}
+
+/// The axis that most of the surface goes round; `None` if it goes round none or round many.
+pub fn axis(mesh: &Mesh) -> Option<Axis> {
     let (lo, hi) = mesh
         .vertices
         .iter()
@@ -34,14 +46,17 @@ pub fn axis(mesh: &Mesh) -> Option<DVec3> {
     if size <= 0.0 {
         return None;
     }
-    let faces: Vec<([f64; 6], f64)> = (0..mesh.triangles.len())
+    // A line complex, an area and how far off the axis may be.
+    let faces: Vec<([f64; 6], f64, f64)> = (0..mesh.triangles.len())
         .map(|t| {
             let [a, b, c] = mesh.corners(t).map(|p| (p - centre) / size);
             let normal = (b - a).cross(c - a);
             let n = normal.normalize_or_zero();
             let moment = ((a + b + c) / 3.0).cross(n);
             let line = [moment.x, moment.y, moment.z, n.x, n.y, n.z];
-            (line, normal.length())
+            let longest = [b - a, c - b, a - c].map(DVec3::length);
+            let half_side = 0.5 * longest.into_iter().fold(0.0, f64::max);
+            (line, normal.length(), half_side.clamp(MEETS.0, MEETS.1))
         })
         .collect();
     let total: f64 = faces.iter().map(|f| f.1).sum();
@@ -49,7 +64,7 @@ pub fn axis(mesh: &Mesh) -> Option<DVec3> {
     let mut found = None;
     for _ in 0..ROUNDS {
         let mut matrix = [[0.0; 6]; 6];
-        for ((line, _), weight) in faces.iter().zip(&weights) {
+        for ((line, _, _), weight) in faces.iter().zip(&weights) {
             for i in 0..6 {
                 for j in 0..6 {
                     matrix[i][j] += weight * line[i] * line[j];
@@ -58,26 +73,39 @@ pub fn axis(mesh: &Mesh) -> Option<DVec3> {
         }
         let values = eigen::symmetric(matrix);
         let v = values[0].1;
-        let direction = DVec3::new(v[0], v[1], v[2]);
-        let length = direction.length();
+        let length = direction(&v).length();
         // No direction at all: a translation, not a rotation.
         if length < 0.1 {
             return None;
         }
-        let miss = |line: &[f64; 6]| (0..6).map(|i| line[i] * v[i]).sum::<f64>().abs() / length;
-        let meets: f64 = faces
-            .iter()
-            .filter(|f| miss(&f.0) < MEETS)
-            .map(|f| f.1)
-            .sum();
-        let unique = values[1].0 > UNIQUE * values[0].0.max(1e-9 * total);
-        found = (unique && meets > SHARE * total).then(|| direction / length);
-        for ((line, area), weight) in faces.iter().zip(&mut weights) {
-            let off = miss(line) / MEETS;
+        let meets = |f: &([f64; 6], f64, f64), v: &[f64; 6]| miss(&f.0, v) < f.2;
+        let share = |v: &[f64; 6]| -> f64 {
+            let met = faces.iter().filter(|f| meets(f, v));
+            met.map(|f| f.1).sum::<f64>() / total
+        };
+        let held = share(&v);
+        let unique = values[1].0 > UNIQUE * values[0].0.max(1e-9 * total)
+            && share(&values[1].1) < OTHER * held;
+        found = (unique && held > SHARE).then(|| Axis {
+            direction: direction(&v) / length,
+            meets: faces.iter().map(|f| meets(f, &v)).collect(),
+        });
+        for ((line, area, room), weight) in faces.iter().zip(&mut weights) {
+            let off = miss(line, &v) / room;
             *weight = area / (1.0 + off * off);
         }
     }
     found
+}
+
+fn direction(v: &[f64; 6]) -> DVec3 {
+    DVec3::new(v[0], v[1], v[2])
+}
+
+/// How far a line passes from an axis, as far as small angles go; infinite without a direction.
+fn miss(line: &[f64; 6], v: &[f64; 6]) -> f64 {
+    let product: f64 = line.iter().zip(v).map(|(a, b)| a * b).sum();
+    product.abs() / direction(v).length()
 }
 
 #[cfg(test)]
@@ -104,8 +132,38 @@ mod tests {
     fn an_egg_has_an_axis_and_a_ball_has_none() {
         let (egg, axis_of_egg) = turned(|z| 0.5 * (1.0 - 0.9 * z * z).sqrt() * (1.0 + 0.2 * z));
         let found = axis(&egg).unwrap();
-        assert!(found.dot(axis_of_egg).abs() > 0.9999);
+        assert!(found.direction.dot(axis_of_egg).abs() > 0.9999);
+        assert!(found.meets.iter().all(|&m| m));
         let (ball, _) = turned(|z| (1.0 - z * z).max(0.0).sqrt());
+        assert_eq!(axis(&ball), None);
+    }
+
+    #[test]
+    fn a_ball_that_lost_a_piece_has_none() {
+        let (mut ball, _) = turned(|z| (1.0 - z * z).max(0.0).sqrt());
+        let rest: Vec<[u32; 3]> = (0..ball.triangles.len())
+            .filter(|&t| ball.corners(t).iter().any(|p| p.min_element() < 0.0))
+            .map(|t| ball.triangles[t])
+            .collect();
+        assert!(rest.len() < ball.triangles.len());
+        // Three quarters of disks, where the piece was.
+        let first = ball.vertices.len() as u32;
+        ball.vertices.push(DVec3::ZERO);
+        for axis in 0..3 {
+            for k in 0..=8 {
+                let angle = f64::from(k) * std::f64::consts::TAU / 32.0;
+                let (u, v) = (DVec3::AXES[(axis + 1) % 3], DVec3::AXES[(axis + 2) % 3]);
+                ball.vertices
+                    .push(u * libm::cos(angle) + v * libm::sin(angle));
+            }
+        }
+        ball.triangles = rest;
+        for quarter in 0..3 {
+            for k in 0..8 {
+                let at = first + 1 + 9 * quarter + k;
+                ball.triangles.push([first, at, at + 1]);
+            }
+        }
         assert_eq!(axis(&ball), None);
     }
 }
