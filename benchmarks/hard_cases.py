@@ -2,8 +2,8 @@
 
     python benchmarks/hard_cases.py [FAMILY...]
 
-``large`` asks for solids of 10^5 and 10^6 faces, as they are. Prints hulls for each solid and
-change, and every broken promise; ends with exit code 1 if there is one.
+``large`` asks for solids of 40,000 and a million faces, as they are. Prints hulls for each solid
+and change, and every broken promise; ends with exit code 1 if there is one.
 """
 
 from __future__ import annotations

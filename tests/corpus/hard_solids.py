@@ -353,7 +353,7 @@ SOLIDS: tuple[Solid, ...] = (
 )
 
 LARGE: tuple[Solid, ...] = (
-    Solid("large", "ring of 10^5 faces", lambda: fine_ring(316), (6, 12), 0.03),
+    Solid("large", "ring of 40,000 faces", lambda: fine_ring(200), (6, 12), 0.03),
     Solid("large", "ring of 10^6 faces", lambda: fine_ring(1000), (6, 12), 0.03),
     Solid("large", "angle of 10^6 faces", lambda: gridded(angle_plate(0.2), 8), (2, 2)),
 )

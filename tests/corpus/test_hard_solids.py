@@ -59,7 +59,7 @@ def test_a_hard_solid_keeps_every_promise(row: Solid, change):
     promises(row, change(row.mesh))
 
 
-def test_a_hundred_thousand_faces():
+def test_a_large_solid():
     """The first of the large; ``benchmarks/hard_cases.py large`` runs all."""
     solid, d = of(LARGE[0], LARGE[0].mesh)
     guarantees.check_hulls(solid, d)
@@ -68,8 +68,9 @@ def test_a_hundred_thousand_faces():
 
 @pytest.mark.parametrize("row", SOLIDS, ids=name)
 def test_parts_fill_the_solid_and_their_hulls_hold_them(row: Solid):
-    # Single precision would make other solids of what is as thin.
-    turned = rotated if row.family in ("thin", "needle", "feature") else stored
+    # Single precision would make other solids of what is as thin. Cuts that are oblique in the
+    # frame of the cuts take vertices as near as that to be in their plane.
+    turned = rotated if row.family in ("thin", "needle", "feature", "lattice") else stored
     changes = (plain, mirrored, turned, tiny, turned, permuted, turned, huge)
     solid, d = of(row, changes[SOLIDS.index(row) % len(changes)](row.mesh))
     guarantees.check_parts(solid, d, guarantees.parts_of(solid, d.epsilon, row.metric))
