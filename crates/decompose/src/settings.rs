@@ -153,7 +153,7 @@ impl Default for SearchSettings {
     fn default() -> Self {
         SearchSettings {
             metric: Metric::Thickening,
-            policy: PolicyChoice::Lookahead,
+            policy: PolicyChoice::Greedy,
             planes: 20,
             expand: 14,
             quota: 3,
@@ -193,15 +193,21 @@ impl Default for SearchSettings {
 }
 
 impl SearchSettings {
-    /// Way `k` of cutting; the first is the settings themselves, the second is ruled by the
-    /// worst part, which makes halves where the sum peels small pieces: of all variations tried
-    /// the two that differ most. Further ones have other grids.
+    /// Way `k` of cutting: the settings themselves, the other policy (one step ahead or two), the
+    /// worst part instead of the sum, both. Of all variations tried these differ most; their
+    /// grids differ too.
     #[must_use]
     pub fn way(&self, k: usize) -> SearchSettings {
+        let other = match self.policy {
+            PolicyChoice::Greedy => PolicyChoice::Lookahead,
+            PolicyChoice::Lookahead | PolicyChoice::Mcts => PolicyChoice::Greedy,
+        };
+        let k = k % 4;
         SearchSettings {
-            planes: self.planes + [0, 2, 3, 1][k % 4],
-            second: self.second + [0, 1, 1, 0][k % 4],
-            norm: if k % 2 == 1 { Norm::Worst } else { self.norm },
+            planes: self.planes + k,
+            second: self.second + k / 2,
+            policy: if k % 2 == 1 { other } else { self.policy },
+            norm: if k >= 2 { Norm::Worst } else { self.norm },
             ..self.clone()
         }
     }
