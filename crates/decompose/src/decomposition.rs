@@ -1,5 +1,7 @@
 //! The door of the engine: a solid in, proved hulls out.
 
+use std::cmp::Reverse;
+
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
@@ -284,11 +286,7 @@ fn concave(
         cells: settings.cells,
         most_vertices: settings.most_vertices,
     };
-    let finished: Vec<(Mesh, Proved, Option<Interval>)> = cover
-        .hulls
-        .par_iter()
-        .map(|h| finish.run(h, &cover.parts))
-        .collect::<Result<_, _>>()?;
+    let finished = finished(&finish, &cover)?;
     go_on(control)?;
     control.report(0.95);
     let leaves = finished.len();
@@ -300,6 +298,27 @@ fn concave(
         .collect();
     control.report(1.0);
     Ok((Decomposition { hulls, leaves }, Some((working, cover))))
+}
+
+/// All hulls of a cover, finished. The largest come first: started last, one of them would keep
+/// a thread busy while the others have nothing left to do.
+fn finished(
+    finish: &Finish<'_>,
+    cover: &Cover,
+) -> Result<Vec<(Mesh, Proved, Option<Interval>)>, DecomposeError> {
+    let points = |hull: &Proved| -> usize {
+        let parts = hull.members.iter().map(|&m| &cover.parts[m as usize]);
+        parts.map(|part| part.points.len()).sum()
+    };
+    let mut order: Vec<usize> = (0..cover.hulls.len()).collect();
+    order.sort_by_cached_key(|&k| Reverse(points(&cover.hulls[k])));
+    let mut done = order
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|k| Ok((k, finish.run(&cover.hulls[k], &cover.parts)?)))
+        .collect::<Result<Vec<_>, DecomposeError>>()?;
+    done.sort_unstable_by_key(|d| d.0);
+    Ok(done.into_iter().map(|d| d.1).collect())
 }
 
 /// The cover of the search or of the outline, if the solid is one extruded: with the fewest
