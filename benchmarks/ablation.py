@@ -82,22 +82,40 @@ def changes() -> list[Change]:
     return rows
 
 
-def measure(paths: list[Path], change: Change) -> tuple[list[int], float]:
-    """Hulls a mesh and processor seconds in all."""
+def measure(paths: list[Path], change: Change) -> list[tuple[int, float] | None]:
+    """Hulls and processor seconds of each mesh; ``None`` where the engine failed, which is told."""
     import assetpipe
     from assetpipe.decomposition import Params
 
-    hulls, start = [], time.process_time()
+    found: list[tuple[int, float] | None] = []
     for path in paths:
         vertices, faces, _ = load(path)
-        found = assetpipe.decompose(
-            (vertices, faces),
-            assetpipe.Tolerance.coacd(change.threshold),
-            threads=1,
-            params=Params(change.search),
-        )
-        hulls.append(len(found.hulls))
-    return hulls, time.process_time() - start
+        start = time.process_time()
+        try:
+            hulls = assetpipe.decompose(
+                (vertices, faces),
+                assetpipe.Tolerance.coacd(change.threshold),
+                threads=1,
+                params=Params(change.search),
+            ).hulls
+        except assetpipe.errors.EngineError as error:
+            print(f"{change.group}, {change.name}: {path.stem} left out: {error}", flush=True)
+            found.append(None)
+            continue
+        found.append((len(hulls), time.process_time() - start))
+    return found
+
+
+def row(change: Change, found: list, base: list) -> dict:
+    """Ratios to the unchanged engine."""
+    pairs = [(f, b) for f, b in zip(found, base, strict=True) if f and b]
+    logs = [math.log(f[0] / b[0]) for f, b in pairs]
+    return {
+        "group": change.group,
+        "name": change.name,
+        "hulls": math.exp(sum(logs) / len(logs)),
+        "time": sum(f[1] for f, _ in pairs) / sum(b[1] for _, b in pairs),
+    }
 
 
 def draw(rows: list[dict], out: Path) -> None:
@@ -186,9 +204,11 @@ def main() -> None:
         sys.exit("none of the meshes is there; set ASSETPIPE_BENCH_DATA")
     groups = {group for group in a.only.split(",") if group}
     measure(paths[:1], Change("", "warm up"))
-    base, base_s = measure(paths, Change("", "balanced"))
+    base = measure(paths, Change("", "balanced"))
+    counts, seconds = zip(*filter(None, base), strict=True)
     print(
-        f"balanced: {sum(base)} hulls on {len(paths)} meshes in {base_s:.2f} s of processor time\n"
+        f"balanced: {sum(counts)} hulls on {len(counts)} meshes in {sum(seconds):.2f} s of "
+        "processor time\n"
     )
     print("| changed | to | hulls | time |\n|---|---|---|---|")
     rows: list[dict] = []
@@ -198,17 +218,10 @@ def main() -> None:
         if time.process_time() > a.budget:
             print(f"out of time before {change.group}: {change.name}")
             break
-        hulls, seconds = measure(paths, change)
-        logs = [math.log(h / b) for h, b in zip(hulls, base, strict=True)]
-        row = {
-            "group": change.group,
-            "name": change.name,
-            "hulls": math.exp(sum(logs) / len(logs)),
-            "time": seconds / base_s,
-        }
-        rows.append(row)
+        found = row(change, measure(paths, change), base)
+        rows.append(found)
         print(
-            f"| {change.group} | {change.name} | {row['hulls']:.3f} | {row['time']:.2f} |",
+            f"| {change.group} | {change.name} | {found['hulls']:.3f} | {found['time']:.2f} |",
             flush=True,
         )
         if a.json:

@@ -73,9 +73,6 @@ impl Part {
     }
 }
 
-/// How far outside of its part's bounds a point without triangles may lie.
-const STRAY: f64 = 1e-6;
-
 /// One part for each connected component, each with the stand-ins' components
 /// and reflex edges that belong to it.
 ///
@@ -189,17 +186,6 @@ pub fn components(piece: Piece) -> Vec<Piece> {
         .iter()
         .map(|&root| extract(&piece, &roots, root))
         .collect();
-    // Points that a cut took their triangles from (see `Piece::split`).
-    for (v, &p) in piece.points.iter().enumerate() {
-        if used.binary_search(&roots[v]).is_err() {
-            for solid in &mut solids {
-                let (lo, hi) = solid.bounds();
-                if p.cmpge(lo - STRAY).all() && p.cmple(hi + STRAY).all() {
-                    solid.points.push(p);
-                }
-            }
-        }
-    }
     // A component of negative volume is a void: it stays with what encloses it.
     let volumes: Vec<f64> = solids.iter().map(Piece::volume).collect();
     let mut owner: Vec<usize> = (0..solids.len()).collect();

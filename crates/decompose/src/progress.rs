@@ -20,7 +20,8 @@ const GAIN: f64 = 0.9;
 /// Cosine from which two cuts count as parallel.
 const PARALLEL: f64 = 0.999;
 
-const NONE: [(DVec3, u32); 3] = [(DVec3::ZERO, 0); 3];
+/// Three axes and all other directions.
+const NONE: [(DVec3, u32); 4] = [(DVec3::ZERO, 0); 4];
 
 /// How a part came to be.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +31,7 @@ pub struct Lineage {
     /// How many cuts led to it.
     pub cuts: u32,
     /// Directions of cuts since the last progress, and how many there were.
-    idle: [(DVec3, u32); 3],
+    idle: [(DVec3, u32); 4],
 }
 
 impl Lineage {
@@ -45,7 +46,7 @@ impl Lineage {
 
     /// Whether a direction is closed after `patience` idle cuts (0: never).
     pub fn closed(&self, direction: DVec3, patience: u32) -> bool {
-        let tired = |(d, count): &(DVec3, u32)| *count >= patience && parallel(*d, direction);
+        let tired = |(d, count): &(DVec3, u32)| *count >= patience && alike(*d, direction);
         patience > 0 && self.idle.iter().any(tired)
     }
 
@@ -56,7 +57,7 @@ impl Lineage {
         if !progress {
             let slot = idle
                 .iter()
-                .position(|(d, count)| *count == 0 || parallel(*d, direction));
+                .position(|(d, count)| *count == 0 || alike(*d, direction));
             match slot {
                 Some(slot) => idle[slot] = (direction, idle[slot].1 + 1),
                 // More directions than an idle part can have: start again.
@@ -80,8 +81,11 @@ impl Lineage {
     }
 }
 
-fn parallel(a: DVec3, b: DVec3) -> bool {
-    a.dot(b).abs() > PARALLEL
+/// Whether two cuts go the same way. Those along no axis all do: there are more of them than a
+/// part has axes, and each would be tried in turn.
+fn alike(a: DVec3, b: DVec3) -> bool {
+    let oblique = |d: DVec3| d.abs().max_element() < PARALLEL;
+    a.dot(b).abs() > PARALLEL || oblique(a) && oblique(b)
 }
 
 /// Whether a cut leaves less to do than the `whole` part had. `excess` weighs empty space
@@ -135,6 +139,9 @@ mod tests {
         part = part.after(-DVec3::Z, false).child(0);
         assert!(part.closed(DVec3::Z, 2) && !part.closed(DVec3::X, 2));
         assert!(!part.closed(DVec3::Z, 0));
+        // An idle cut along no axis closes all such directions, and no axis.
+        let turned = part.after(DVec3::new(0.6, 0.8, 0.0), false);
+        assert!(turned.closed(DVec3::new(0.0, 0.6, 0.8), 1) && !turned.closed(DVec3::X, 1));
         // Still closed after an idle cut in another direction, open after progress.
         part = part.after(DVec3::X, false);
         assert!(part.closed(DVec3::Z, 2));

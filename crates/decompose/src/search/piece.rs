@@ -185,7 +185,8 @@ impl Piece {
     /// The parts below and above a plane.
     ///
     /// A triangle in the plane goes to neither side's surface: the cap of the
-    /// side that holds solid there replaces it.
+    /// side that holds solid there replaces it. If the plane is along no axis
+    /// that side keeps the triangle, and its cap is what is left of the plane.
     pub fn split(&self, plane: Plane) -> (Piece, Piece) {
         let heights: Vec<f64> = self
             .points
@@ -207,18 +208,18 @@ impl Piece {
         for t in &self.triangles {
             let s = t.map(|v| sides[v as usize]);
             if s == [0, 0, 0] {
-                // Its points stay with the side that holds solid there, so that its hull has
-                // them wherever rounding put them.
-                let [a, b, c] = t.map(|v| self.points[v as usize]);
-                let half = if (b - a).cross(c - a).dot(plane.normal) > 0.0 {
-                    &mut below
-                } else {
-                    &mut above
-                };
+                // Where rounding made a face uneven it stays with the side that holds solid
+                // there, or its points would be in no hull; where it is exact a cap does as well.
                 if on > 0.0 {
-                    for &v in t {
-                        half.old(self, v);
-                    }
+                    let [a, b, c] = t.map(|v| self.points[v as usize]);
+                    let (half, border) = if (b - a).cross(c - a).dot(plane.normal) > 0.0 {
+                        (&mut below, &mut border_below)
+                    } else {
+                        (&mut above, &mut border_above)
+                    };
+                    let n = t.map(|v| half.old(self, v));
+                    half.piece.triangles.push(n);
+                    border.extend((0..3).map(|i| [n[(i + 1) % 3], n[i]]));
                 }
                 continue;
             }
@@ -270,6 +271,10 @@ impl Piece {
                 (&mut border_below, &mut border_above),
             );
         }
+        if on > 0.0 {
+            cancel(&mut border_below);
+            cancel(&mut border_above);
+        }
         let flipped = Plane {
             normal: -plane.normal,
             offset: -plane.offset,
@@ -288,6 +293,21 @@ impl Piece {
         }
         (below.piece, above.piece)
     }
+}
+
+/// Leave out segments that are there in both directions.
+fn cancel(border: &mut Vec<[u32; 2]>) {
+    let name = |s: &[u32; 2]| (s[0].min(s[1]), s[0].max(s[1]));
+    border.sort_unstable_by_key(|s| (name(s), *s));
+    let mut kept = Vec::with_capacity(border.len());
+    for run in border.chunk_by(|s, t| name(s) == name(t)) {
+        let forward = run.iter().filter(|s| s[0] < s[1]).count();
+        let back = run.len() - forward;
+        // Backward ones were sorted behind.
+        let both = forward.min(back);
+        kept.extend_from_slice(&run[both..run.len() - both]);
+    }
+    *border = kept;
 }
 
 /// A clipped triangle: up to four corners, those on the plane flagged.
@@ -504,6 +524,32 @@ mod tests {
         assert!((a.volume() - 0.125 * 0.25).abs() < 1e-12);
         let corner = DVec3::new(0.875, 0.5, 0.5);
         assert!(a.points.iter().any(|p| p.distance(corner) < 1e-12));
+    }
+
+    #[test]
+    fn an_uneven_face_stays_whole_on_its_own_side() {
+        // Turned, with noise as of single precision.
+        let lower = frame();
+        let turn = glam::DMat3::from_rotation_y(0.4) * glam::DMat3::from_rotation_x(0.7);
+        let noise = |i: usize| 1e-7 * libm::sin(12.9 * i as f64 + 1.0);
+        let noisy = Piece {
+            points: lower
+                .points
+                .iter()
+                .enumerate()
+                .map(|(i, p)| turn * (*p + DVec3::splat(noise(i))))
+                .collect(),
+            ..lower
+        };
+        let normal = turn * DVec3::Z;
+        let (below, above) = noisy.split(Plane {
+            normal,
+            offset: normal.dot(turn * DVec3::Z),
+        });
+        assert!((below.volume() - noisy.volume()).abs() < 1e-15);
+        assert!(above.triangles.is_empty() && above.caps.is_empty());
+        assert_eq!(below.points.len(), noisy.points.len());
+        assert!(below.caps.is_empty());
     }
 
     #[test]
