@@ -21,7 +21,8 @@ def parts_of(solid: Mesh, epsilon: float, metric: str = "thickening") -> list[li
         np.ascontiguousarray(solid.vertices),
         np.ascontiguousarray(solid.faces),
         epsilon,
-        {"metric": metric},
+        # As `decompose` asks for either metric.
+        {"metric": metric, "policy": "greedy" if metric == "thickening" else "lookahead"},
         1,
     )
     return found
