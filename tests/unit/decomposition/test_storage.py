@@ -130,7 +130,7 @@ def changed(data: bytes, **values) -> bytes:
         ({"nodes__0__thickening": [2.0, 1.0]}, "nodes.0.thickening"),
         ({"nodes__0__children": [0, 1]}, "nodes.0.children"),
         ({"nodes__4__children": [0, 0]}, "nodes.4.children"),
-        ({"nodes__5__children": [0, 1]}, "nodes.6.children"),
+        ({"nodes__5__children": [0, 1], "nodes__6__children": [0, 1]}, "nodes.[56].children"),
         ({"level": [0, 1]}, "level"),
         ({"level": [0, 0, 1, 2, 3]}, "level.1"),
         ({"level": [99]}, "level.0"),
