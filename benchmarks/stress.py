@@ -1,0 +1,174 @@
+"""Random nasty solids through ``decompose`` with every option, held to every promise.
+
+    python benchmarks/stress.py FROM TO [--seconds 240] [--memory 4]
+
+Cases are numbered and always the same: a number alone decides solid, tolerance and options, so a
+failure is run again by its number (``stress.py 151 152``). Each case has a process of its own with
+a limit of processor time and memory. Judged is by ``tests/corpus/guarantees.py``, which shares no
+code with the engine. Prints every failure with its number and check, and what became of the
+others; ends with exit code 1 if one failed. A typed refusal is no failure; its kind is counted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import resource
+import sys
+import time
+import traceback
+from collections import Counter
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "corpus"))
+
+import guarantees
+from exact import contains, is_convex, volume
+from random_solids import Random, solid_of
+
+from assetpipe import decompose
+from assetpipe.decomposition import Decomposition, inner_hulls
+from assetpipe.errors import AssetpipeError
+from assetpipe.geometry import Mesh
+
+_STREAM = 77
+"""First word of every case's seed; another number would be other cases."""
+
+
+def options(r: Random, mesh: Mesh) -> tuple[float, dict[str, Any]]:
+    """A tolerance of 0.5% to 32% of the diagonal, and at most one option beside the search's."""
+    chosen: dict[str, Any] = {"metric": "concavity" if r.integers(3) == 0 else "thickening"}
+    chosen["effort"] = ("fast", "balanced", "best")[r.choice(3, p=[0.6, 0.33, 0.07])]
+    tolerance = 10.0 ** r.uniform(-2.3, -0.5) * mesh.diagonal
+    option, thickening = r.integers(10), chosen["metric"] == "thickening"
+    if option == 0:
+        chosen["max_hulls"] = int(r.integers(1, 6))
+    elif option == 1:
+        chosen["max_hull_vertices"] = int(r.integers(4, 20))
+    elif option == 2 and thickening:
+        chosen["overlap"] = tolerance * r.uniform(0.05, 1)
+    elif option == 3 and thickening:
+        chosen["shapes"] = "primitives_and_capsules"
+    elif option == 4:
+        chosen["reach"] = tolerance * r.uniform(1, 5)
+    elif option == 5:
+        chosen["cavities"] = "fill"
+    return tolerance, chosen
+
+
+def check_budget(solid: Mesh, d: Decomposition, chosen: dict[str, Any]) -> None:
+    """Under a budget hulls may exceed the tolerance, and still are convex and cover."""
+    bare = np.unique(solid.faces)
+    for hull in d.hulls:
+        assert is_convex(hull.vertices, hull.faces)
+        assert volume(hull.vertices, hull.faces) > 0
+        bare = bare[~contains(hull.vertices, hull.faces, solid.vertices[bare])]
+    assert not len(bare), f"{len(bare)} vertices of the solid are bare"
+    assert len(d.hulls) <= chosen.get("max_hulls", len(d.hulls))
+    most = max(len(hull.vertices) for hull in d.hulls)
+    assert most <= chosen.get("max_hull_vertices", most)
+
+
+def check_inner(r: Random, solid: Mesh, tolerance: float) -> None:
+    """Inner polytopes are convex, and nothing sampled in them is outside the solid."""
+    # Far away the points would be rounded across the surface; differences are exact.
+    origin = solid.vertices[0]
+    for hull in inner_hulls(solid, tolerance, most=20):
+        assert is_convex(hull.vertices, hull.faces)
+        corners = hull.vertices - origin
+        points, centre = r.dirichlet(np.full(len(corners), 0.4), 40) @ corners, corners.mean(axis=0)
+        points = centre + (points - centre) * (1 - 1e-9)
+        windings = guarantees.windings((solid.vertices - origin, solid.faces), points)
+        assert (windings > 0.5 - 1e-6).all()
+
+
+def judged(number: int) -> str:
+    """What became of a case; raises what a check raises."""
+    r = np.random.default_rng([_STREAM, number])
+    mesh = solid_of(r)
+    if mesh is None:
+        return "empty"
+    tolerance, chosen = options(r, mesh)
+    try:
+        d = decompose(mesh, tolerance, threads=1, **chosen)
+    except AssetpipeError as error:
+        return f"refused ({type(error).__name__}): {error!s:.90}"
+    solid = d.solid if d.repair and d.solid else mesh
+    budget = {"max_hulls", "max_hull_vertices"} & chosen.keys()
+    reshaped = {"overlap", "shapes", "reach"} & chosen.keys()
+    if budget:
+        check_budget(solid, d, chosen)
+    else:
+        guarantees.check_hulls(solid, d)
+    guarantees.check_cover(solid, d, 120)
+    guarantees.check_certificate(solid if d.closed_solid is None else d.closed_solid, d)
+    if not budget and not reshaped:
+        guarantees.check_levels(solid, d)
+    # Parts are asked of the engine again, as it searches by default.
+    usual = chosen["effort"] == "balanced" and "max_hulls" not in chosen
+    if usual and not reshaped and len(solid.faces) < 4000:
+        parts = guarantees.parts_of(solid, d.epsilon, d.metric)
+        guarantees.check_parts(solid, d, parts)
+    if r.integers(6) == 0 and len(solid.faces) < 1500:
+        check_inner(r, solid, 2 * tolerance)
+    return f"decomposed: {len(d.hulls)} hulls"
+
+
+def place_of(error: BaseException) -> str:
+    """The check that failed, and its line."""
+    frames = traceback.extract_tb(error.__traceback__)
+    frame = next((f for f in frames if f.name.startswith("check_")), frames[-1])
+    return f"{frame.name}, line {frame.lineno}"
+
+
+def run_case(number: int, seconds: int, memory: int, answer: Connection) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 10))
+    resource.setrlimit(resource.RLIMIT_AS, (memory << 30, memory << 30))
+    try:
+        answer.send(judged(number))
+    except BaseException as error:
+        answer.send(f"FAILED: {place_of(error)}: {error!r:.300}")
+
+
+def outcome(number: int, seconds: int, memory: int) -> str:
+    """What became of a case in a process of its own."""
+    context = multiprocessing.get_context("fork")
+    mine, its = context.Pipe(duplex=False)
+    child = context.Process(target=run_case, args=(number, seconds, memory, its))
+    child.start()
+    its.close()
+    if not mine.poll(10 * seconds):
+        child.kill()
+    try:
+        told = str(mine.recv())
+    except EOFError:
+        child.join()
+        told = f"FAILED: ended with {child.exitcode}"  # Signals are negative, −24 the time limit.
+    child.join()
+    return told
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Random solids, held to every promise.")
+    parser.add_argument("first", type=int)
+    parser.add_argument("end", type=int)
+    parser.add_argument("--seconds", type=int, default=240, help="processor time of a case")
+    parser.add_argument("--memory", type=int, default=4, help="GB")
+    asked = parser.parse_args()
+    kinds: Counter[str] = Counter()
+    for number in range(asked.first, asked.end):
+        clock = time.perf_counter()
+        told = outcome(number, asked.seconds, asked.memory)
+        kinds[told.split(":")[0]] += 1
+        print(f"{number}: {told} ({time.perf_counter() - clock:.1f} s)", flush=True)
+    for kind, count in kinds.most_common():
+        print(f"{count} {kind}")
+    return 1 if kinds["FAILED"] else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
