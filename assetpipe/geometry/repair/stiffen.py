@@ -11,7 +11,7 @@ from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.health.topology import Edges, face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.clean import one_of_each
-from assetpipe.geometry.repair.deviation import RESOLUTION, farthest
+from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, farthest_each
 from assetpipe.geometry.repair.fill import capped
 from assetpipe.geometry.repair.holes import cap, openings
 from assetpipe.geometry.repair.result import Rung, Step
@@ -26,17 +26,20 @@ def thickened(work: Work, job: Job) -> Work:
         return work
     clock = process_time()
     scale = job.frame.scale
-    findings, slabs = [], []
+    findings, slabs, away = [], [], []
     for sheet in work.patches:
+        own = []
         job.deadline.check()
         findings += _wide(sheet, job)
         for vertices, faces in manifold_pieces(sheet.vertices, one_of_each(sheet.faces)):
             bounds, wound = _turned(vertices, faces)
             side: Literal["inward", "centred"] = "inward" if bounds else "centred"
-            slabs.append(thicken(vertices, wound, job.thickness, side))
+            own.append(thicken(vertices, wound, job.thickness, side))
+        slabs += own
+        away.append(max((slab.away for slab in own), default=0.0))
     shells = [shell for slab in slabs for shell in shells_of(slab.vertices, slab.faces)]
     caps = stacked(*(slab.caps for slab in slabs))
-    beside = max(slab.away for slab in slabs)
+    beside = float((_apart(work, job) + away).max())
     moved = max(
         beside,
         farthest(
@@ -62,6 +65,23 @@ def thickened(work: Work, job: Job) -> Work:
         patches=(),
         fresh=stacked(work.fresh, caps),
         beside=max(work.beside, beside),
+    )
+
+
+def _apart(work: Work, job: Job) -> FloatArray:
+    """(patches,) bounds on how far any point of each lies from the input: caps of narrow
+    openings, of which sheets may have some, do not lie on it."""
+    patches = work.patches
+    if not len(work.fresh):
+        return np.zeros(len(patches))
+    return farthest_each(
+        job.surface,
+        stacked(*(patch.corners for patch in patches)),
+        np.repeat(np.arange(len(patches)), [len(patch.faces) for patch in patches]),
+        len(patches),
+        side="surface",
+        resolution=RESOLUTION,
+        deadline=job.deadline,
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from assetpipe.geometry import Mesh, Rung, repair
+from assetpipe.geometry import Mesh, RepairPolicy, Rung, repair
 from assetpipe.geometry.repair.sheets import thicken
 
 
@@ -25,6 +25,14 @@ def torn(by: float) -> Mesh:
 def without_a_cap(height: float) -> Mesh:
     vertices, faces = sphere(3)
     return Mesh(vertices, faces[vertices[faces].mean(axis=1)[:, 2] < height])
+
+
+def without_two_caps() -> Mesh:
+    """A wide opening below, and one above that is narrow enough to be closed."""
+    vertices, faces = sphere(4)
+    x, y, z = vertices[faces].mean(axis=1).T
+    narrow = (z > 0.0) & (np.hypot(x, y) < 0.06)
+    return Mesh(vertices, faces[(z > -0.4) & ~narrow])
 
 
 def sheet_with_a_step() -> Mesh:
@@ -56,6 +64,16 @@ def test_bounds_hold_and_percentiles_are_of_the_surfaces(mesh: Mesh) -> None:
     # What lies inside the solid was not removed: the surface is farther than needed.
     removed = distances(mesh, result.solid)
     assert result.deviation.removed_p99 <= np.quantile(removed, 0.99) + 1e-4 * mesh.diagonal
+
+
+def test_bounds_hold_for_the_thickness_of_caps() -> None:
+    mesh = without_two_caps()
+    result = repair(mesh, policy=RepairPolicy(budget=0.03, thickness=0.1))
+    assert [step.rung for step in result.steps] == [Rung.FILL, Rung.SHEET]
+    added = distances(result.solid, mesh, 40_000).max()
+    assert added > 0.104
+    assert result.steps[-1].moved >= added - 1e-9
+    assert result.deviation.added >= added - 1e-9
 
 
 def test_a_vertex_that_was_moved_does_not_move_the_percentile() -> None:
