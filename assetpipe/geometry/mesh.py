@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from assetpipe.errors import MeshError
-from assetpipe.geometry.products import moved, products
+from assetpipe.geometry.products import length, moved, products
 
 if TYPE_CHECKING:
     import trimesh
@@ -94,7 +94,7 @@ class Mesh:
     @cached_property
     def diagonal(self) -> float:
         """Length of the bounding box's diagonal, metres."""
-        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+        return length(self.bounds[1] - self.bounds[0])
 
     @cached_property
     def volume(self) -> float:

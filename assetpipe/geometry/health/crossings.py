@@ -52,7 +52,7 @@ def _overlapping(low: FloatArray, high: FloatArray, limit: int) -> IntArray | No
     """(k, 2) pairs of overlapping boxes, by a binary tree over the boxes in Morton order."""
     number = len(low)
     order = _morton_order((low + high) / 2.0)
-    depth = max(0, int(np.ceil(np.log2(max(1, number)))))
+    depth = (max(1, number) - 1).bit_length()
     leaves = 1 << depth
     padded_low = np.full((leaves, 3), np.inf)
     padded_high = np.full((leaves, 3), -np.inf)

@@ -20,6 +20,7 @@ from assetpipe.geometry.health.topology import (
     groups,
 )
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.clean import same_corners
 from assetpipe.geometry.repair.sides import joined_sides, other_side, rims
 from assetpipe.geometry.repair.surface import Surface
@@ -77,7 +78,7 @@ def separate(vertices: FloatArray, drawn: IntArray) -> Separated:
     areas, _ = face_areas(vertices, faces)
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
     a, b, c = (vertices[faces[:, k]] - centre for k in range(3))
-    each = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    each = products(a, np.cross(b, c)) / 6.0
     # Normals of sides look into the cell: a bounded cell has a negative volume.
     volume: FloatArray = np.bincount(cell, np.concatenate([each, -each]), number).astype(float)
     area = np.bincount(cell, np.concatenate([areas, areas]), number)

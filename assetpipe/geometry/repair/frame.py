@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from assetpipe.geometry.mesh import FloatArray
+from assetpipe.geometry.products import length
+
+
+def doublings(number: float) -> int:
+    """Exponent of the least power of two that is no smaller than a positive number."""
+    mantissa, exponent = math.frexp(number)
+    return exponent - 1 if mantissa == 0.5 else exponent
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +35,8 @@ class Frame:
     def around(cls, vertices: FloatArray) -> Frame:
         """The frame in which ``vertices`` are centred and their diagonal is in (1/2, 1]."""
         low, high = vertices.min(axis=0), vertices.max(axis=0)
-        diagonal = float(np.linalg.norm(high - low))
-        scale = float(2.0 ** np.ceil(np.log2(diagonal))) if diagonal > 0.0 else 1.0
+        diagonal = length(high - low)
+        scale = math.ldexp(1.0, doublings(diagonal)) if diagonal > 0.0 else 1.0
         return cls((low + high) / 2.0, scale)
 
     def inward(self, points: FloatArray) -> FloatArray:

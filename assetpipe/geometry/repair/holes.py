@@ -9,6 +9,7 @@ import numpy as np
 
 from assetpipe.geometry.health.topology import Edges, boundary_loops
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.products import length, products
 from assetpipe.geometry.repair.split import pair_half_edges
 
 
@@ -56,10 +57,10 @@ def opening_of(vertices: FloatArray, loop: IntArray) -> Opening:
     arms = points - centre
     following = np.roll(arms, -1, axis=0)
     normal = np.cross(arms, following).sum(axis=0) / 2.0
-    area = float(np.linalg.norm(normal))
-    size = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    area = length(normal)
+    size = length(points.max(axis=0) - points.min(axis=0))
     if area > 1e-12 * size * size:
-        flatness = float(np.abs(arms @ (normal / area)).max())
+        flatness = float(np.abs(products(arms, normal / area)).max())
     else:
         flatness = float(np.linalg.svd(arms, full_matrices=False)[1][-1])
     return Opening(
@@ -118,13 +119,15 @@ def _projected(points: FloatArray) -> IntArray | None:
 
     arms = points - points.mean(axis=0)
     normal = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
-    length = float(np.linalg.norm(normal))
-    if length == 0.0:
+    size = length(normal)
+    if size == 0.0:
         return None
-    normal /= length
+    normal /= size
     u = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-    u /= np.linalg.norm(u)
-    plane = np.ascontiguousarray(np.stack([arms @ u, arms @ np.cross(normal, u)], axis=1))
+    u /= length(u)
+    plane = np.ascontiguousarray(
+        np.stack([products(arms, u), products(arms, np.cross(normal, u))], axis=1)
+    )
     triangles = np.array(manifold3d.triangulate([plane], allow_convex=False), dtype=np.int64)
     if triangles.shape != (len(points) - 2, 3):
         return None

@@ -12,6 +12,7 @@ import numpy as np
 from assetpipe.geometry.health.topology import Edges, components, distinct
 from assetpipe.geometry.health.weld import degenerate, referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.subdivide import insert_on_edges
 
 _CANDIDATES = 5_000_000
@@ -115,7 +116,7 @@ def _on_edges(
     along = b[edge] - a[edge]
     arm = vertices[vertex] - a[edge]
     squared = np.maximum(length[edge] ** 2, np.finfo(float).tiny)
-    share = np.einsum("ij,ij->i", arm, along) / squared
+    share = products(arm, along) / squared
     distance = np.linalg.norm(arm - share[:, None] * along, axis=1)
     # Well between the ends: what lies near an end is a matter for the weld.
     inner = (share * length[edge] > tolerance) & ((1.0 - share) * length[edge] > tolerance)

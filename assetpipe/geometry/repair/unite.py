@@ -14,6 +14,7 @@ import numpy as np
 from assetpipe.geometry.health.topology import Edges, face_components, groups
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
 
@@ -71,7 +72,7 @@ def signed_volume(vertices: FloatArray, faces: IntArray) -> float:
         return 0.0
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
     a, b, c = (vertices[faces[:, k]] - centre for k in range(3))
-    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+    return float(products(a, np.cross(b, c)).sum() / 6.0)
 
 
 def shells_of(vertices: FloatArray, faces: IntArray) -> list[Shell]:

@@ -15,7 +15,9 @@ import numpy as np
 from assetpipe.geometry.health.topology import distinct, missing
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
+from assetpipe.geometry.repair.frame import doublings
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import arrays_of, manifold_of, signed_volume
@@ -118,7 +120,7 @@ def _cells(
 
     low = surface.vertices.min(axis=0) - 3.0 * cell
     extent = float((surface.vertices.max(axis=0) + 3.0 * cell - low).max())
-    depth = max(1, int(np.ceil(np.log2(extent / cell))))
+    depth = max(1, doublings(extent / cell))
     lattice = Lattice(low, cell, (1 << depth) + 3)
     near = igl.lipschitz_octree(low, cell * (1 << depth), depth, surface.distance)
     if len(near) > limit:
@@ -168,7 +170,7 @@ def _drawn(surface: Surface, points: FloatArray, triangles: IntArray, cell: floa
             drawn[triangles[:, 1]] - drawn[triangles[:, 0]],
             drawn[triangles[:, 2]] - drawn[triangles[:, 0]],
         )
-        turned = np.einsum("ij,ij->i", before, after) < 0.0
+        turned = products(before, after) < 0.0
         if not turned.any():
             return drawn
         near[triangles[turned]] = False
