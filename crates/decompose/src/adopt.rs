@@ -1,20 +1,27 @@
-//! Vertices of the solid that no part has.
+//! Points that no hull would hold.
 //!
 //! A cut along a face replaces what of the face lies in its plane; a vertex in the middle of it is
-//! then in no part. The parts around hold it but for the rounding of its coordinates, and hulls are
-//! to hold it exactly: so the nearest one gets it.
+//! then in no part. And a part as thin as rounding may have no volume left in the input's
+//! coordinates, so that it has no hull there. The parts around hold such points but for rounding,
+//! and hulls are to hold them exactly: so the nearest one gets them.
 
 use std::cmp::Ordering;
 
 use assetpipe_geometry::distance::ConvexBody;
+use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
 use crate::engine::Cover;
+use crate::merge::{volume, Proved};
+use crate::search::piece::Piece;
+use crate::working::Working;
 
 /// How far beyond a hull such a vertex may be, in the working copy (size one). Others are those of
 /// shells that enclose nothing.
 const ROUNDING: f64 = 1e-12;
+/// Hulls with a larger share of their box are not looked at for being flat.
+const THIN: f64 = 1e-9;
 
 fn order(a: &DVec3, b: &DVec3) -> Ordering {
     a.x.total_cmp(&b.x)
@@ -22,12 +29,45 @@ fn order(a: &DVec3, b: &DVec3) -> Ordering {
         .then(a.z.total_cmp(&b.z))
 }
 
-/// Give each vertex of a face of the working copy that no part has to a part of the nearest hull.
-pub fn adopt(cover: &mut Cover, copy: &Mesh) {
-    let mut held: Vec<DVec3> = cover
-        .parts
+/// Whether the points of a hull span no volume in the input's coordinates.
+fn is_flat(hull: &Proved, parts: &[Piece], working: &Working) -> bool {
+    let (lo, hi) = hull
+        .hull
+        .vertices
         .iter()
-        .flat_map(|part| part.points.iter().map(|&p| p + DVec3::ZERO))
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| {
+            (lo.min(p), hi.max(p))
+        });
+    if volume(&hull.hull) > THIN * (hi - lo).length().powi(3) {
+        return false;
+    }
+    let points: Vec<DVec3> = hull
+        .members
+        .iter()
+        .flat_map(|&m| &parts[m as usize].points)
+        .flat_map(|&p| working.inputs(p))
+        .collect();
+    matches!(convex_hull(&points), Err(HullError::Degenerate { .. }))
+}
+
+/// Drop hulls that are flat in the input's coordinates, and give each vertex of a face of the
+/// working copy that no part of the others has to a part of the nearest hull.
+pub fn adopt(cover: &mut Cover, copy: &Mesh, working: &Working) {
+    let parts = &cover.parts;
+    let standing = |hull: &Proved| !is_flat(hull, parts, working);
+    if !cover.hulls.iter().all(standing) && cover.hulls.iter().any(standing) {
+        cover.hulls.retain(standing);
+    }
+    let mut held: Vec<DVec3> = cover
+        .hulls
+        .iter()
+        .flat_map(|hull| &hull.members)
+        .flat_map(|&m| {
+            cover.parts[m as usize]
+                .points
+                .iter()
+                .map(|&p| p + DVec3::ZERO)
+        })
         .collect();
     held.sort_unstable_by(order);
     let mut used = vec![false; copy.vertices.len()];
@@ -73,9 +113,7 @@ pub fn adopt(cover: &mut Cover, copy: &Mesh) {
 mod tests {
     use super::*;
     use crate::concavity::Interval;
-    use crate::merge::Proved;
-    use crate::search::piece::Piece;
-    use assetpipe_geometry::hull::convex_hull;
+    use glam::DMat3;
 
     #[test]
     fn a_vertex_beside_a_hull_is_given_to_it_and_one_far_from_all_is_not() {
@@ -97,9 +135,48 @@ mod tests {
             parts: vec![Piece::from(&cube)],
             witnesses: Vec::new(),
         };
-        adopt(&mut cover, &copy);
+        let (working, _) = Working::new(&cube, DMat3::IDENTITY);
+        adopt(&mut cover, &copy, &working);
         let mut expected = cube.vertices.clone();
         expected.push(beside);
         assert_eq!(cover.parts[0].points, expected);
+    }
+
+    #[test]
+    fn a_hull_without_volume_is_dropped_and_its_points_are_held() {
+        let corners: Vec<DVec3> = (0..8u32)
+            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
+            .collect();
+        let cube = convex_hull(&corners).unwrap();
+        let (working, copy) = Working::new(&cube, DMat3::IDENTITY);
+        // A sheet on the upper side of the copy, as thin as an ulp, that is flat as it came.
+        let above = copy.vertices.iter().filter(|p| p.z > 0.0).copied();
+        let sheet: Vec<DVec3> = above
+            .clone()
+            .chain([DVec3::new(0.0, 0.0, 1.0 + 2e-16)])
+            .collect();
+        let hull = convex_hull(&sheet).unwrap();
+        let piece = |mesh: &Mesh| Proved {
+            hull: mesh.clone(),
+            thickening: Interval::exactly(0.0),
+            members: Vec::new(),
+        };
+        let mut cover = Cover {
+            hulls: vec![
+                Proved {
+                    members: vec![0],
+                    ..piece(&hull)
+                },
+                Proved {
+                    members: vec![1],
+                    ..piece(&copy)
+                },
+            ],
+            parts: vec![Piece::from(&hull), Piece::from(&copy)],
+            witnesses: Vec::new(),
+        };
+        adopt(&mut cover, &copy, &working);
+        assert_eq!(cover.hulls.len(), 1);
+        assert_eq!(cover.hulls[0].members, [1]);
     }
 }

@@ -273,7 +273,7 @@ fn concave(
         limits: &limits,
     };
     let mut cover = cover(&copy, roots, &judge, settings, control)?;
-    adopt(&mut cover, &copy);
+    adopt(&mut cover, &copy, &working);
     let finish = Finish {
         working: &working,
         judge,
