@@ -22,13 +22,21 @@ def products(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def length(vector: FloatArray) -> float:
-    """Euclidean length of one vector (3,)."""
-    return math.sqrt(float(products(vector[None], vector)[0]))
+    """Euclidean length of one vector (n,)."""
+    return math.sqrt(sum(x * x for x in vector.tolist()))
 
 
 def turned(points: FloatArray, linear: FloatArray) -> FloatArray:
     """Points (n, 3) under a linear map (3, 3)."""
     return np.stack([products(points, row) for row in linear], axis=1)
+
+
+def composed(first: FloatArray, second: FloatArray) -> FloatArray:
+    """The product of two square matrices (n, n)."""
+    result: FloatArray = first[:, 0, None] * second[0]
+    for k in range(1, len(second)):
+        result = result + first[:, k, None] * second[k]
+    return result
 
 
 def moved(points: FloatArray, matrix: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from assetpipe.decomposition.primitives import Primitive
 from assetpipe.findings import Finding
 from assetpipe.geometry.files import obj_text
 from assetpipe.geometry.mesh import FloatArray
+from assetpipe.geometry.products import composed
 from assetpipe.pipeline.config import Config, Source
 from assetpipe.pipeline.elements import Element, elements_of
 from assetpipe.pipeline.identity import digest_file
@@ -237,7 +238,7 @@ def _simple(shape: Primitive, link_from_hull: FloatArray) -> NewCollision:
         made = Cylinder(*shape.size)
     else:
         made = Capsule(*shape.size)
-    return NewCollision(made, link_from_hull @ shape.frame)
+    return NewCollision(made, composed(link_from_hull, shape.frame))
 
 
 def robot_links(start: Draft, names: Container[str]) -> list[Link]:

@@ -17,6 +17,7 @@ from assetpipe.errors import InputError, LimitError, Location
 from assetpipe.geometry.formats.dae_geometry import Document, child, children, local, surface
 from assetpipe.geometry.formats.raw import Axis, FileLimits, Part, RawMesh, floats, joined
 from assetpipe.geometry.mesh import FloatArray
+from assetpipe.geometry.products import composed, length
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -113,7 +114,7 @@ class _Scene:
                     location=self._document.at(node),
                 )
             inside = within | {node}
-            own = matrix @ _transform(self._document, node)
+            own = composed(matrix, _transform(self._document, node))
             below = [pair for part in node for pair in self._below(part, own)]
             stack.extend((part, m, inside) for part, m in reversed(below))
 
@@ -139,7 +140,7 @@ class _Scene:
         self.notes.append("skinned mesh taken in its bind pose")
         bind = child(skin, "bind_shape_matrix")
         matrix = np.eye(4) if bind is None else _matrix(self._document, bind)
-        return self._document.target(skin, "source", "geometry"), own @ matrix
+        return self._document.target(skin, "source", "geometry"), composed(own, matrix)
 
     def _place(self, geometry: Element, matrix: FloatArray) -> None:
         if geometry not in self._known:
@@ -187,19 +188,20 @@ def _transform(document: Document, node: Element) -> FloatArray:
             raise InputError("<skew> is unsupported", location=document.at(element))
         else:
             continue
-        result = result @ step
+        result = composed(result, step)
     return result
 
 
 def _rotation(values: FloatArray) -> FloatArray:
     """Axis and angle in degrees to a matrix (Rodrigues)."""
-    length = float(np.linalg.norm(values[:3]))
-    if length == 0.0:
+    size = length(values[:3])
+    if size == 0.0:
         return np.eye(3)
-    x, y, z = values[:3] / length
+    x, y, z = values[:3] / size
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     angle = np.deg2rad(values[3])
-    result: FloatArray = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    across = composed(cross, cross)
+    result: FloatArray = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * across
     return result
 
 
@@ -208,8 +210,8 @@ def _looking(values: FloatArray) -> FloatArray:
     eye, interest, up = values.reshape(3, 3)
     back = eye - interest
     right = np.cross(up, back)
-    back = back / np.linalg.norm(back)
-    right = right / np.linalg.norm(right)
+    back = back / length(back)
+    right = right / length(right)
     result = np.eye(4)
     result[:3, :4] = np.stack([right, np.cross(back, right), back, eye], axis=1)
     return result

@@ -17,6 +17,7 @@ from assetpipe.geometry.formats.gltf_buffers import Gltf
 from assetpipe.geometry.formats.polygons import fan_triangles, strip_triangles
 from assetpipe.geometry.formats.raw import FileLimits, Part, RawMesh, joined
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.products import composed, length
 
 _DECODED_NOWHERE = {
     "KHR_draco_mesh_compression": "Draco compression",
@@ -78,7 +79,7 @@ class _Walk:
                 raise LimitError(
                     f"nodes nest deeper than {limits.max_depth}", location=Location(document.path)
                 )
-            matrix = above @ self._matrix(node)
+            matrix = composed(above, self._matrix(node))
             for part in self._mesh(node["mesh"]) if "mesh" in node else ():
                 vertices += len(part.vertices)
                 faces += len(part.faces)
@@ -181,10 +182,10 @@ class _Walk:
 
 def _rotation(quaternion: FloatArray) -> FloatArray:
     """A quaternion (x, y, z, w) to a matrix."""
-    length = float(np.linalg.norm(quaternion))
-    if length == 0.0:
+    size = length(quaternion)
+    if size == 0.0:
         return np.eye(3)
-    x, y, z, w = quaternion / length
+    x, y, z, w = quaternion / size
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
