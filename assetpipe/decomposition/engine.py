@@ -34,7 +34,7 @@ Source = "Mesh | trimesh.Trimesh | tuple[Any, Any]"
 OnProgress = Callable[[float], object]
 
 _SETTINGS: dict[Effort, dict[str, str | float]] = {
-    "fast": {"planes": 14, "samples": 1000},
+    "fast": {"policy": "greedy", "planes": 14, "samples": 1000},
     "balanced": {},
     "best": {"ways": "3,3,3", "gap": 0.004, "cells": 200000},
 }
@@ -122,8 +122,8 @@ def decompose(
         closed = close_unreachable(solid, reach, threads=threads, on_progress=on_progress)
         solid, closing = closed.solid, closed.closing
     settings: dict[str, str | float] = {
-        **_SETTINGS[effort],
         **_POLICY[metric],
+        **_SETTINGS[effort],
         "metric": metric,
         "most_vertices": max_hull_vertices or 0,
         "seed": seed,
