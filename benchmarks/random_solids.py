@@ -1,6 +1,7 @@
 """Random nasty solids for ``stress.py``: families, and what is done to each solid afterwards.
 
-The order of draws is what makes a number's solid; a change of it makes other cases of all numbers.
+The order of draws is what makes a number's solid; a change of it makes other cases of all numbers,
+and another version of manifold3d may give the same solids other triangles.
 """
 
 from __future__ import annotations

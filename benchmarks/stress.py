@@ -6,7 +6,8 @@ Cases are numbered and always the same: a number alone decides solid, tolerance 
 failure is run again by its number (``stress.py 151 152``). Each case has a process of its own with
 a limit of processor time and memory. Judged is by ``tests/corpus/guarantees.py``, which shares no
 code with the engine. Prints every failure with its number and check, and what became of the
-others; ends with exit code 1 if one failed. A typed refusal is no failure; its kind is counted.
+others; ends with exit code 1 if one failed. A typed refusal is no failure, unless it tells of a
+fault of the engine; its kind is counted.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from random_solids import Random, solid_of
 
 from assetpipe import decompose
 from assetpipe.decomposition import Decomposition, inner_hulls
-from assetpipe.errors import AssetpipeError
+from assetpipe.errors import AssetpipeError, EngineError
 from assetpipe.geometry import Mesh
 
 _STREAM = 77
@@ -95,6 +96,8 @@ def judged(number: int) -> str:
     tolerance, chosen = options(r, mesh)
     try:
         d = decompose(mesh, tolerance, threads=1, **chosen)
+    except EngineError:  # A fault of ours, typed as it is.
+        raise
     except AssetpipeError as error:
         return f"refused ({type(error).__name__}): {error!s:.90}"
     solid = d.solid if d.repair and d.solid else mesh
