@@ -131,7 +131,9 @@ def check_certificate(solid: Mesh, d: Decomposition, seed: int = 3) -> None:
         a = worst.vertices[worst.faces]
         normals = np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0])
         lengths = np.linalg.norm(normals, axis=1)
-        normals, a = normals[lengths > 0] / lengths[lengths > 0, None], a[lengths > 0]
+        # Slivers have no direction in double precision.
+        wide = lengths > 1e-12 * lengths.max()
+        normals, a = normals[wide] / lengths[wide, None], a[wide]
         above = np.einsum("pfk,fk->pf", grid[:, None] - a[None, :, 0], normals).max(axis=1)
         near = grid[above <= reach + slack]
         truth_below = distance_outside(solid, near).max(initial=0.0) + reach

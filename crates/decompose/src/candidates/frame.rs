@@ -173,6 +173,8 @@ fn clusters(faces: &mut [(DVec3, f64)]) -> Vec<(DVec3, f64)> {
             let sum: DVec3 = run.iter().map(|f| f.0 * f.1).sum();
             (sum.normalize_or_zero(), run.iter().map(|f| f.1).sum())
         })
+        // Faces so small that their normals vanish tell no direction.
+        .filter(|cell: &(DVec3, f64)| cell.0 != DVec3::ZERO)
         .collect();
     cells.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut found: Vec<(DVec3, f64)> = Vec::new();
