@@ -2,8 +2,10 @@
 
 import _thread
 import random
+import signal
 import threading
 import time
+from collections.abc import Iterator
 
 import pytest
 import trimesh
@@ -35,6 +37,15 @@ def test_false_stops_a_large_mesh_soon(large: trimesh.Trimesh, after: int) -> No
     assert time.process_time() - asked[-1] < SOON
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Also where the suite runs in the background of a shell, which lets it ignore interrupts."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_stops_a_large_mesh_soon(large: trimesh.Trimesh) -> None:
     sent: list[float] = []
     begun = threading.Event()
