@@ -27,8 +27,8 @@ from cases import data_folders, load
 MESHES = {
     "vhacd": "test2 sledge torus helmet venus chair block cow1 pig helix table tube1",
     "cad": "kinova_l4 px150_wrist vx300s_uf solo_base koch_l2 xarm_knuckle tiago_base pr2_faroll",
-    "pybullet_data": "GUIDE_WSG50_110 calf channel_4inch diff_arm diff_motor_cover diff_stand fr12_h101 "
-    "handlebar_scaled lower_leg3",
+    "pybullet_data": "GUIDE_WSG50_110 calf channel_4inch diff_arm diff_motor_cover diff_stand "
+    "fr12_h101 handlebar_scaled lower_leg3",
 }
 THRESHOLD = 0.05
 
