@@ -5,17 +5,15 @@
 //! coordinates, so that it has no hull there. The parts around hold such points but for rounding,
 //! and hulls are to hold them exactly: so the nearest one gets them.
 
-use std::cmp::Ordering;
-
 use assetpipe_geometry::distance::ConvexBody;
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
 use crate::engine::Cover;
-use crate::merge::{volume, Proved};
+use crate::merge::{bounds, volume, Proved};
 use crate::search::piece::Piece;
-use crate::working::Working;
+use crate::working::{one_zero, order, Working};
 
 /// How far beyond a hull such a vertex may be, in the working copy (size one). Others are those of
 /// shells that enclose nothing.
@@ -23,21 +21,9 @@ const ROUNDING: f64 = 1e-12;
 /// Hulls with a larger share of their box are not looked at for being flat.
 const THIN: f64 = 1e-9;
 
-fn order(a: &DVec3, b: &DVec3) -> Ordering {
-    a.x.total_cmp(&b.x)
-        .then(a.y.total_cmp(&b.y))
-        .then(a.z.total_cmp(&b.z))
-}
-
 /// Whether the points of a hull span no volume in the input's coordinates.
 fn is_flat(hull: &Proved, parts: &[Piece], working: &Working) -> bool {
-    let (lo, hi) = hull
-        .hull
-        .vertices
-        .iter()
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| {
-            (lo.min(p), hi.max(p))
-        });
+    let (lo, hi) = bounds(&hull.hull);
     if volume(&hull.hull) > THIN * (hi - lo).length().powi(3) {
         return false;
     }
@@ -62,12 +48,8 @@ pub fn adopt(cover: &mut Cover, copy: &Mesh, working: &Working) {
         .hulls
         .iter()
         .flat_map(|hull| &hull.members)
-        .flat_map(|&m| {
-            cover.parts[m as usize]
-                .points
-                .iter()
-                .map(|&p| p + DVec3::ZERO)
-        })
+        .flat_map(|&m| &cover.parts[m as usize].points)
+        .map(|&p| one_zero(p))
         .collect();
     held.sort_unstable_by(order);
     let mut used = vec![false; copy.vertices.len()];
@@ -115,23 +97,31 @@ mod tests {
     use crate::concavity::Interval;
     use glam::DMat3;
 
-    #[test]
-    fn a_vertex_beside_a_hull_is_given_to_it_and_one_far_from_all_is_not() {
+    fn cube() -> Mesh {
         let corners: Vec<DVec3> = (0..8u32)
             .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
             .collect();
-        let cube = convex_hull(&corners).unwrap();
+        convex_hull(&corners).unwrap()
+    }
+
+    fn proved(hull: &Mesh, part: u32) -> Proved {
+        Proved {
+            hull: hull.clone(),
+            thickening: Interval::exactly(0.0),
+            members: vec![part],
+        }
+    }
+
+    #[test]
+    fn a_vertex_beside_a_hull_is_given_to_it_and_one_far_from_all_is_not() {
+        let cube = cube();
         let mut copy = cube.clone();
         let beside = DVec3::new(0.5, 0.25, 1.0 + 2e-16);
         copy.vertices
             .extend([beside, DVec3::splat(3.0), DVec3::splat(0.5)]);
         copy.triangles.extend([[8, 0, 1], [9, 0, 1]]);
         let mut cover = Cover {
-            hulls: vec![Proved {
-                hull: cube.clone(),
-                thickening: Interval::exactly(0.0),
-                members: vec![0],
-            }],
+            hulls: vec![proved(&cube, 0)],
             parts: vec![Piece::from(&cube)],
             witnesses: Vec::new(),
         };
@@ -144,34 +134,14 @@ mod tests {
 
     #[test]
     fn a_hull_without_volume_is_dropped_and_its_points_are_held() {
-        let corners: Vec<DVec3> = (0..8u32)
-            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
-            .collect();
-        let cube = convex_hull(&corners).unwrap();
+        let cube = cube();
         let (working, copy) = Working::new(&cube, DMat3::IDENTITY);
         // A sheet on the upper side of the copy, as thin as an ulp, that is flat as it came.
         let above = copy.vertices.iter().filter(|p| p.z > 0.0).copied();
-        let sheet: Vec<DVec3> = above
-            .clone()
-            .chain([DVec3::new(0.0, 0.0, 1.0 + 2e-16)])
-            .collect();
+        let sheet: Vec<DVec3> = above.chain([DVec3::new(0.0, 0.0, 1.0 + 2e-16)]).collect();
         let hull = convex_hull(&sheet).unwrap();
-        let piece = |mesh: &Mesh| Proved {
-            hull: mesh.clone(),
-            thickening: Interval::exactly(0.0),
-            members: Vec::new(),
-        };
         let mut cover = Cover {
-            hulls: vec![
-                Proved {
-                    members: vec![0],
-                    ..piece(&hull)
-                },
-                Proved {
-                    members: vec![1],
-                    ..piece(&copy)
-                },
-            ],
+            hulls: vec![proved(&hull, 0), proved(&copy, 1)],
             parts: vec![Piece::from(&hull), Piece::from(&copy)],
             witnesses: Vec::new(),
         };

@@ -31,13 +31,6 @@ pub fn clustered_to(
     triangles: usize,
     control: &Control,
 ) -> Result<Mesh, DecomposeError> {
-    let go_on = || {
-        if control.is_cancelled() {
-            Err(DecomposeError::Cancelled)
-        } else {
-            Ok(())
-        }
-    };
     let (lo, hi) = mesh
         .vertices
         .iter()
@@ -49,7 +42,7 @@ pub fn clustered_to(
         .faces()
         .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
         .sum();
-    go_on()?;
+    control.go_on()?;
     let vertices = triangles as f64 / TRIANGLES;
     let size = (CELLS * area / vertices)
         .sqrt()
@@ -67,7 +60,7 @@ pub fn clustered_to(
             }
         }
     }
-    go_on()?;
+    control.go_on()?;
     // Clusters in the order of their first vertices, which are their roots.
     let mut cluster = vec![0u32; mesh.vertices.len()];
     let mut sums: Vec<(DVec3, f64)> = Vec::new();
@@ -83,7 +76,7 @@ pub fn clustered_to(
         sum.0 += mesh.vertices[v as usize];
         sum.1 += 1.0;
     }
-    go_on()?;
+    control.go_on()?;
     let mut quadrics = vec![Quadric::default(); sums.len()];
     let mut small = Mesh::default();
     for (t, corners) in mesh.faces().enumerate() {
@@ -96,7 +89,7 @@ pub fn clustered_to(
             small.triangles.push([a, b, c]);
         }
     }
-    go_on()?;
+    control.go_on()?;
     let place = |(quadric, (sum, count)): (&Quadric, &(DVec3, f64))| {
         let mean = *sum / *count;
         let best = quadric.minimum().filter(|p| p.distance(mean) < size);

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use crate::error::DecomposeError;
+
 /// Shared between a computation and whoever watches it.
 #[derive(Debug, Default)]
 pub struct Control {
@@ -19,6 +21,17 @@ impl Control {
     /// Whether it was asked to stop.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Go on unless it was asked to stop.
+    ///
+    /// # Errors
+    /// [`DecomposeError::Cancelled`].
+    pub(crate) fn go_on(&self) -> Result<(), DecomposeError> {
+        if self.is_cancelled() {
+            return Err(DecomposeError::Cancelled);
+        }
+        Ok(())
     }
 
     /// Share done so far, 0 to 1.

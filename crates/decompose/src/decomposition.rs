@@ -209,7 +209,7 @@ fn if_convex(
     };
     closed?;
     let hull = hull?;
-    go_on(control)?;
+    control.go_on()?;
     let own = volume(ordered);
     if own <= 1e-12 * volume(&hull) {
         return Err(DecomposeError::Flat { dimension: 3 });
@@ -217,14 +217,6 @@ fn if_convex(
     let affordable = settings.most_vertices == 0 || hull.vertices.len() <= settings.most_vertices;
     let convex = affordable && is_convex(ordered, &hull);
     Ok(convex.then(|| itself(hull, epsilon)))
-}
-
-/// Unless it was asked to stop.
-fn go_on(control: &Control) -> Result<(), DecomposeError> {
-    if control.is_cancelled() {
-        return Err(DecomposeError::Cancelled);
-    }
-    Ok(())
 }
 
 /// How far removing slivers of a convex solid may reach outward, in ε.
@@ -245,15 +237,15 @@ fn concave(
         FrameChoice::Faces => frame::choose(mesh),
         FrameChoice::Principal => frame::principal(mesh),
     };
-    go_on(control)?;
+    control.go_on()?;
     let (working, copy) = Working::new(mesh, frame);
-    go_on(control)?;
+    control.go_on()?;
     let (solid, roots) = rayon::join(
         || SolidIndex::new(&copy),
         || roots(&copy, settings, control),
     );
     let roots = roots?;
-    go_on(control)?;
+    control.go_on()?;
     let cancelled = || control.is_cancelled();
     let limits = Limits {
         // A proof that is not there by then is a matter of the last digit; the part is
@@ -287,11 +279,11 @@ fn concave(
         most_vertices: settings.most_vertices,
     };
     let finished = finished(&finish, &cover)?;
-    go_on(control)?;
+    control.go_on()?;
     control.report(0.95);
     let leaves = finished.len();
     let nodes = build(&finish, finished)?;
-    go_on(control)?;
+    control.go_on()?;
     let hulls = nodes
         .into_iter()
         .map(|node| output(&working, node))

@@ -39,7 +39,8 @@ pub fn volume(mesh: &Mesh) -> f64 {
         / 6.0
 }
 
-fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
+/// Bounding box as (low, high).
+pub fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
     mesh.vertices
         .iter()
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| {

@@ -191,8 +191,8 @@ impl Collapse {
         let mut looked_at = 0u32;
         while self.count > target {
             looked_at += 1;
-            if looked_at % PATIENCE == 0 && control.is_cancelled() {
-                return Err(DecomposeError::Cancelled);
+            if looked_at % PATIENCE == 0 {
+                control.go_on()?;
             }
             let Some(Reverse((_, u, v, su, sv))) = self.queue.pop() else {
                 break;

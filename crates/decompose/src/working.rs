@@ -30,14 +30,15 @@ pub struct Working {
     rounding: f64,
 }
 
-fn order(a: &DVec3, b: &DVec3) -> std::cmp::Ordering {
+/// The order in which points are sorted to be found again.
+pub fn order(a: &DVec3, b: &DVec3) -> std::cmp::Ordering {
     a.x.total_cmp(&b.x)
         .then(a.y.total_cmp(&b.y))
         .then(a.z.total_cmp(&b.z))
 }
 
 /// One zero, so that equal points have equal keys.
-fn one_zero(p: DVec3) -> DVec3 {
+pub fn one_zero(p: DVec3) -> DVec3 {
     p + DVec3::ZERO
 }
 

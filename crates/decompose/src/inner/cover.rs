@@ -67,9 +67,7 @@ pub fn inner_polytopes(
     let mut tried: Vec<bool> = vec![false; seeds.len()];
     let mut found: Vec<(InnerPolytope, Vec<u32>)> = Vec::new();
     loop {
-        if control.is_cancelled() {
-            return Err(DecomposeError::Cancelled);
-        }
+        control.go_on()?;
         let reached = open.iter().filter(|o| !**o).count();
         control.report(reached as f64 / seeds.len().max(1) as f64);
         let batch = next(&seeds, &open, &mut tried, settings.gap);
