@@ -37,6 +37,10 @@ _SHELVES = {
     "description", "descriptions", "config", "gazebo", "mjcf",
 }  # fmt: skip
 """Folders that hold descriptions beside ``meshes``: the package is the folder above."""
+_DEEP_SHELVES = {"urdf", "urdfs", "xacro", "xacros"}
+"""Of these, the ones that hold nothing but descriptions, sorted in folders of their own too."""
+_SHELF_LEVELS = 3
+"""Folders from a description up to such a shelf."""
 _LEVELS = 6
 """Folders above a description in which its package.xml is sought."""
 _BEYOND = 2
@@ -293,12 +297,14 @@ _ALLOW = "add its folder to ASSETPIPE_ALLOW_ROOTS if you trust the description"
 
 
 def _home(folder: Path) -> Path:
-    """Without a package: the repository, else the folder, or the one above a shelf."""
+    """Without a package: the repository, else the folder above a shelf, or the folder."""
     for above in ancestors(folder, 6):
         if (above / ".git").exists():
             return above
-    if folder.name.lower() in _SHELVES and folder.parent.parent != folder.parent:
-        return folder.parent
+    for level, above in enumerate(ancestors(folder, _SHELF_LEVELS)):
+        shelves = _DEEP_SHELVES if level else _SHELVES
+        if above.name.lower() in shelves and above.parent.parent != above.parent:
+            return above.parent
     return folder
 
 

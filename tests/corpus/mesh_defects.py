@@ -212,6 +212,11 @@ def thick(mesh: Mesh) -> float:
     return mesh.area * mesh.diagonal / 400
 
 
+def doubled(square: Arrays) -> Arrays:
+    """Its other two triangles, facing the other way, as well: a tetrahedron without height."""
+    return square[0], np.concatenate([square[1], [[0, 3, 1], [1, 3, 2]]])
+
+
 _SQUARE_OUT = flat_square([[0.5, -0.5, 0.5], [0.5, 0.5, 0.5], [0.9, 0.5, 0.9], [0.9, -0.5, 0.9]])
 _SQUARE_IN = flat_square([[0.5, -0.5, 0.5], [0.5, 0.5, 0.5], [0.0, 0.5, 0.0], [0.0, -0.5, 0.0]])
 _BALL = 4 / 3 * np.pi * 0.125
@@ -351,6 +356,20 @@ CASES: tuple[Case, ...] = (
     ),
     Case("T-junction", lambda: mesh(with_junction()), "near", 1.0),
     Case("fin outside", lambda: mesh(welded(join(box(), _SQUARE_OUT))), "near", 1.0, 0.02),
+    Case(
+        "fin outside, drawn along both diagonals",
+        lambda: mesh(join(box(), doubled(_SQUARE_OUT))),
+        "near",
+        1.0,
+        0.02,
+    ),
+    Case(
+        "square drawn along both diagonals",
+        lambda: mesh(doubled(flat_square([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]))),
+        "near",
+        lambda square: thick(square) / 2,
+        1e-6,
+    ),
     Case("fin inside", lambda: mesh(welded(join(box(), _SQUARE_IN))), "near", 1.0),
     Case("wall between rooms", lambda: mesh(divided_box()), "near", 1.0),
     Case("one small hole", lambda: mesh(without(sphere(4), [7])), "near"),

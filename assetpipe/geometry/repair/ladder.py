@@ -72,11 +72,11 @@ def repair(
 
 
 def _sound(mesh: Mesh) -> bool:
-    """Whether a solid has one component that does not overlap itself."""
+    """Whether a solid has one component that encloses something and does not overlap itself."""
     if face_components(Edges.of(mesh.faces, len(mesh.vertices)))[0] != 1:
         return False
-    units = Frame.around(mesh.vertices).inward(mesh.vertices)
-    return overlap(Shell(units, mesh.faces, mesh.volume)) <= TANGLED
+    shell = Shell.of(Frame.around(mesh.vertices).inward(mesh.vertices), mesh.faces)
+    return not enclosing_nothing(shell) and overlap(shell) <= TANGLED
 
 
 def _refused(why: str, work: Work | None = None, hint: str | None = None) -> Repaired:
@@ -164,6 +164,9 @@ def _finished(work: Work, job: Job) -> Repaired:
     shells = tuple(shell for shell in work.shells if not enclosing_nothing(shell))
     flat = [s.vertices[s.faces] for s in work.shells if enclosing_nothing(s)]
     work = work.after(lost=stacked(work.lost, *flat))
+    if flat:
+        number = f"{len(flat)} piece{'s' * (len(flat) > 1)}"
+        work = work.after(Step(Rung.CLEAN, f"dropped {number} without volume"))
     if not shells:
         return _refused("it encloses no volume", work)
     united = unite(shells, job.policy.cavities, job.deadline)
@@ -210,21 +213,20 @@ def _finished(work: Work, job: Job) -> Repaired:
         solid,
         work.steps,
         measured,
-        (*work.findings, *_said(work, job, united.cavities, kept)),
+        (*work.findings, *_said(work, measured, united.cavities, kept)),
         kept,
         united.cavities - kept,
         work.notes,
     )
 
 
-def _said(work: Work, job: Job, cavities: int, kept: int) -> list[Finding]:
+def _said(work: Work, measured: Deviation, cavities: int, kept: int) -> list[Finding]:
     """What the user should know about a mesh that was repaired."""
     found = []
     taken = [step for step in work.steps if step.rung is not Rung.WELD]
     if taken:
-        moved = max(step.moved for step in taken)
         what = "; ".join(step.what for step in taken)
-        severity = Severity.WARNING if moved > 0.0 else Severity.NOTE
+        severity = Severity.WARNING if measured.largest > 0.0 else Severity.NOTE
         found.append(Finding("AP201", severity, what))
     if cavities:
         done = "kept" if kept else "filled"

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from assetpipe.geometry.health.topology import (
+    BoolArray,
     Edges,
     components,
     face_areas,
@@ -28,6 +29,8 @@ from assetpipe.geometry.repair.surface import Corners, no_corners
 
 _MITER = 3.0
 _RANK = 0.02
+_FOLD = 1e-3
+"""Radians between two faces below which one lies on the other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,18 +94,37 @@ def manifold_pieces(vertices: FloatArray, faces: IntArray) -> list[tuple[FloatAr
     """A complex cut where more than two faces meet, into pieces that have a side to each side.
 
     Around such an edge faces stay together in pairs, by angle and winding; two faces that
-    meet alone stay together however they are wound.
+    meet alone stay together however they are wound. Faces folded flat onto each other come
+    apart: their sides would take each other's thickness away.
     """
     edges = Edges.of(faces, len(vertices))
     first, second = pair_half_edges(vertices, edges)
     third, fourth = edges.pair(edges.inconsistent)
     a, b = np.concatenate([first, third]), np.concatenate([second, fourth])
+    flat = _folded(vertices, faces, a, b)
+    a, b = a[~flat], b[~flat]
     corners_number, corners = umbrellas(faces, a, b)
     source = np.zeros(corners_number, dtype=np.int64)
     source[corners.ravel()] = faces.ravel()
     number, label = components(len(faces), a // 3, b // 3)
     apart = vertices[source]
     return [referenced(apart, corners[chosen]) for chosen in groups(label, number)]
+
+
+def _folded(vertices: FloatArray, faces: IntArray, first: IntArray, second: IntArray) -> BoolArray:
+    """Whether the faces of two half-edges lie to the same side of their edge."""
+
+    def arm(half: IntArray) -> FloatArray:
+        """Away from the edge, in the face, unit length."""
+        start, end, apex = (vertices[faces[half // 3, (half + k) % 3]] for k in range(3))
+        axis = end - start
+        axis /= np.maximum(np.linalg.norm(axis, axis=1), np.finfo(float).tiny)[:, None]
+        away = apex - start
+        away -= np.einsum("ij,ij->i", away, axis)[:, None] * axis
+        return away / np.maximum(np.linalg.norm(away, axis=1), np.finfo(float).tiny)[:, None]
+
+    apart: BoolArray = np.linalg.norm(arm(first) - arm(second), axis=1) < _FOLD
+    return apart
 
 
 def _offset(

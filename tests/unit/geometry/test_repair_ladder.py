@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from assetpipe.errors import MeshError
+from assetpipe.findings import Severity
 from assetpipe.geometry import Mesh, RepairPolicy, Rung, is_solid, repair
 
 
@@ -82,6 +83,26 @@ def test_cubes_that_share_an_edge_or_a_corner_come_apart():
         assert result.solid is not None
         assert is_solid(result.solid)
         assert result.solid.volume == pytest.approx(2.0, rel=1e-12)
+
+
+def test_what_moves_by_rounding_only_is_a_note():
+    mesh = soup(box(at=(0.7, 0.1, 0.3)))
+    vertices = mesh.vertices.copy()
+    vertices[0] = np.nextafter(vertices[0], 2.0)
+    result = repair(Mesh(vertices, mesh.faces))
+    assert result.moved == 0.0
+    assert [f.severity for f in result.findings if f.code == "AP201"] == [Severity.NOTE]
+
+
+def test_a_flat_tetrahedron_is_no_solid():
+    """Closed and manifold, but the volume that a turned one has is rounding."""
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    turn = trimesh.transformations.rotation_matrix(1.1, [0.3, -0.7, 0.2])[:3, :3]
+    mesh = Mesh(square @ turn.T, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]))
+    result = repair(mesh)
+    assert result.solid is not None
+    assert result.solid.volume == pytest.approx(mesh.diagonal / 400, rel=1e-6)
+    assert repair(mesh, policy=RepairPolicy(mode="strict")).solid is None
 
 
 def test_no_faces_is_an_error():
