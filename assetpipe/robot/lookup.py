@@ -39,8 +39,10 @@ _SHELVES = {
 """Folders that hold descriptions beside ``meshes``: the package is the folder above."""
 _DEEP_SHELVES = {"urdf", "urdfs", "xacro", "xacros"}
 """Of these, the ones that hold nothing but descriptions, sorted in folders of their own too."""
-_SHELF_LEVELS = 3
-"""Folders from a description up to such a shelf."""
+_MESHES = ("meshes", "mesh")
+"""What lies beside folders of descriptions: the package is the folder that holds both."""
+_HOME_LEVELS = 3
+"""Folders from a description up to such a shelf, or to the folder of the meshes."""
 _LEVELS = 6
 """Folders above a description in which its package.xml is sought."""
 _BEYOND = 2
@@ -297,14 +299,18 @@ _ALLOW = "add its folder to ASSETPIPE_ALLOW_ROOTS if you trust the description"
 
 
 def _home(folder: Path) -> Path:
-    """Without a package: the repository, else the folder above a shelf, or the folder."""
+    """Without a package: the repository, else the folder above a shelf, or of the meshes."""
     for above in ancestors(folder, 6):
         if (above / ".git").exists():
             return above
-    for level, above in enumerate(ancestors(folder, _SHELF_LEVELS)):
+    near = list(ancestors(folder, _HOME_LEVELS))
+    for level, above in enumerate(near):
         shelves = _DEEP_SHELVES if level else _SHELVES
         if above.name.lower() in shelves and above.parent.parent != above.parent:
             return above.parent
+    for above in near:
+        if any((above / name).is_dir() for name in _MESHES):
+            return above
     return folder
 
 

@@ -121,7 +121,10 @@ def _folded(vertices: FloatArray, faces: IntArray, first: IntArray, second: IntA
         axis /= np.maximum(np.linalg.norm(axis, axis=1), np.finfo(float).tiny)[:, None]
         away = apex - start
         away -= np.einsum("ij,ij->i", away, axis)[:, None] * axis
-        return away / np.maximum(np.linalg.norm(away, axis=1), np.finfo(float).tiny)[:, None]
+        unit: FloatArray = (
+            away / np.maximum(np.linalg.norm(away, axis=1), np.finfo(float).tiny)[:, None]
+        )
+        return unit
 
     apart: BoolArray = np.linalg.norm(arm(first) - arm(second), axis=1) < _FOLD
     return apart

@@ -226,13 +226,21 @@ def test_without_a_package_the_folder_or_the_one_above_a_shelf_is_home(tmp_path:
     assert repository.resolve("../a.stl").path == outer
 
 
-def test_descriptions_in_folders_of_a_urdf_folder_have_the_same_home(tmp_path: Path) -> None:
-    for folder, state in (("urdf/chair", "found"), ("models/chair", "outside")):
-        touch(tmp_path / "things" / "mesh" / "chair" / "leg.obj")
-        description = touch(tmp_path / "things" / folder / "leg.urdf")
-        beside = Resolver().beside(description)
-        assert beside.resolve("../../mesh/chair/leg.obj").state == state
-        assert beside.resolve("../../../leg.obj").state == "outside"
+@pytest.mark.parametrize(
+    ("folder", "meshes", "state"),
+    [
+        ("urdf/chair", "shapes", "found"),
+        ("variants/chair", "shapes", "outside"),
+        ("variants/chair", "meshes", "found"),
+    ],
+)
+def test_home_holds_the_folders_of_descriptions_and_of_meshes(
+    tmp_path: Path, folder: str, meshes: str, state: str
+) -> None:
+    touch(tmp_path / "things" / meshes / "chair" / "leg.obj")
+    beside = Resolver().beside(touch(tmp_path / "things" / folder / "leg.urdf"))
+    assert beside.resolve(f"../../{meshes}/chair/leg.obj").state == state
+    assert beside.resolve("../../../leg.obj").state == "outside"
 
 
 def test_a_broken_or_hostile_manifest_is_no_package(package: Path) -> None:
