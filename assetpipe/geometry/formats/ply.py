@@ -1,24 +1,85 @@
-"""PLY, ASCII and binary, read by trimesh behind a check of the header."""
+"""PLY, ASCII and binary, of triangles or polygons.
+
+Format: Turk, G. "The PLY Polygon File Format", 1994.
+"""
 
 from __future__ import annotations
 
-import io
 import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from assetpipe.errors import InputError, Location
+from assetpipe.geometry.formats.polygons import triangulated
 from assetpipe.geometry.formats.raw import FileLimits, RawMesh
+from assetpipe.geometry.mesh import FloatArray, IntArray
 
 _FORMAT = re.compile(r"^format\s+(ascii|binary_little_endian|binary_big_endian)\s+1\.0\s*$")
 _ELEMENT = re.compile(r"^element\s+(\w+)\s+(\d+)\s*$")
-_SIZES = {
-    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
-    **dict.fromkeys(("short", "ushort", "int16", "uint16", "float16"), 2),
-    **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
-    **dict.fromkeys(("double", "int64", "uint64", "float64"), 8),
+_TYPES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    "float16": "f2",
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    "int64": "i8",
+    "uint64": "u8",
+    **dict.fromkeys(("double", "float64"), "f8"),
 }
+_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": ""}
+_CORNERS = ("vertex_indices", "vertex_index")
+
+
+@dataclass(frozen=True)
+class _Property:
+    """One value, or with ``counted`` as many as a value of that type says before them."""
+
+    name: str
+    kind: str
+    counted: str | None = None
+
+
+@dataclass(frozen=True)
+class _Element:
+    name: str
+    rows: int
+    properties: tuple[_Property, ...]
+
+    @property
+    def lists(self) -> bool:
+        return any(p.counted for p in self.properties)
+
+
+@dataclass(frozen=True)
+class _Header:
+    """``order`` is a byte order, empty for ASCII; the data begin at ``end``."""
+
+    order: str
+    elements: tuple[_Element, ...]
+    end: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """What is wanted of an element.
+
+    Attributes:
+        columns: (rows,) of each property that is no list, where all rows are alike.
+        corners: the lists that name vertices, one after the other.
+        counts: (rows,) how long each is.
+    """
+
+    columns: dict[str, FloatArray]
+    corners: IntArray
+    counts: IntArray
 
 
 def looks_like(data: bytes) -> bool:
@@ -27,66 +88,256 @@ def looks_like(data: bytes) -> bool:
 
 
 def read(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
-    """Read a PLY; polygons become fans, as in trimesh.
+    """Read a PLY; polygons become triangles.
 
     Raises:
         InputError: a header that lies, missing data, an index that names no vertex.
         LimitError: more vertices or triangles than allowed.
     """
-    counts = _checked_header(data, path)
+    header = _header(data, path)
+    counts = {element.name: element.rows for element in header.elements}
     limits.check("vertices", counts.get("vertex", 0), path)
     limits.check("faces", counts.get("face", 0), path)
-    from trimesh.exchange.ply import load_ply  # slow to import
-
+    rows = _ascii(data, header, path) if header.order == "" else _binary(data, header, path)
     try:
-        loaded = load_ply(io.BytesIO(data), skip_materials=True)
-        vertices = np.asarray(loaded["vertices"], dtype=np.float64)
-        faces = np.asarray(loaded.get("faces", np.zeros((0, 3))), dtype=np.int64)
-    except Exception as error:  # whatever a stranger's file provokes in there
-        raise InputError(f"not a readable PLY: {error}", location=Location(path)) from error
-    if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
-        raise InputError("not a PLY of triangles or polygons", location=Location(path))
-    limits.check("faces", len(faces), path)
-    if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
+        vertices = np.stack([rows["vertex"].columns[axis] for axis in "xyz"], axis=1)
+    except KeyError as error:
+        raise InputError(f"no {error} of vertices", location=Location(path)) from None
+    if "face" not in rows:
+        return RawMesh(vertices, np.zeros((0, 3), dtype=np.int64))
+    corners, sizes = rows["face"].corners, rows["face"].counts
+    limits.check("faces", int(np.maximum(sizes - 2, 0).sum()), path)
+    wrong = np.flatnonzero((corners < 0) | (corners >= len(vertices)))
+    if wrong.size:
         raise InputError(
-            f"face names vertex {int(faces.max())}, but the file has {len(vertices):,}",
+            f"face names vertex {int(corners[wrong[0]])}, but the file has {len(vertices):,}",
             location=Location(path),
         )
-    return RawMesh(vertices, faces)
+    return RawMesh(vertices, triangulated(vertices, corners, sizes))
 
 
-def _checked_header(data: bytes, path: Path) -> dict[str, int]:
-    """The counts of each element, after comparing them with the data that follow."""
+def _header(data: bytes, path: Path) -> _Header:
+    """What the data hold; the least they must hold is compared with what follows."""
     match = re.search(rb"^end_header[ \t]*\r?\n", data[: 1 << 20], re.MULTILINE)
     if not looks_like(data) or match is None:
         raise InputError("not a PLY file: no 'ply … end_header'", location=Location(path, 1))
-    counts: dict[str, int] = {}
+    order = None
+    named: list[tuple[str, int]] = []
+    properties: list[list[_Property]] = []
     least = 0
-    row = 0
-    binary = False
     for line, text in enumerate(data[: match.start()].decode("latin-1").splitlines(), start=1):
         words = text.split()
         if words[:1] == ["format"]:
             kind = _FORMAT.match(text.strip())
             if kind is None:
                 raise InputError(f"unknown '{text.strip()}'", location=Location(path, line))
-            binary = kind[1] != "ascii"
+            order = _ORDERS[kind[1]]
         elif words[:1] == ["element"]:
             element = _ELEMENT.match(text.strip())
-            if element is None:
+            if element is None or element[1] in dict(named):
                 raise InputError(f"unreadable '{text.strip()}'", location=Location(path, line))
-            row = int(element[2])
-            counts[element[1]] = row
+            named.append((element[1], int(element[2])))
+            properties.append([])
         elif words[:1] == ["property"]:
-            scalar = words[1] if len(words) == 3 else words[2] if len(words) == 5 else ""
-            if scalar not in _SIZES:
+            known = _property(words)
+            if known is None or not named:
                 raise InputError(f"unreadable '{text.strip()}'", location=Location(path, line))
+            properties[-1].append(known)
             # a list may be empty, but its count is there
-            least += row * (_SIZES[scalar] if binary else 2)
+            size = np.dtype(known.counted or known.kind).itemsize if order else 2
+            least += named[-1][1] * size
+    if order is None:
+        raise InputError("no format in the header", location=Location(path, 1))
     if least - 1 > len(data) - match.end():
         raise InputError(
             f"truncated: the header promises at least {least:,} bytes of data, "
             f"{len(data) - match.end():,} follow",
             location=Location(path),
         )
-    return counts
+    elements = tuple(
+        _Element(name, rows, tuple(own))
+        for (name, rows), own in zip(named, properties, strict=True)
+        if own
+    )
+    return _Header(order, elements, match.end())
+
+
+def _property(words: Sequence[str]) -> _Property | None:
+    kinds = [_TYPES.get(word) for word in words[1:-1] if word != "list"]
+    if len(words) == 3 and len(kinds) == 1 and kinds[0] is not None:
+        return _Property(words[2], kinds[0])
+    if len(words) == 5 and words[1] == "list" and len(kinds) == 2:
+        counted, kind = kinds
+        if counted is not None and kind is not None and counted[0] != "f":
+            return _Property(words[4], kind, counted)
+    return None
+
+
+def _binary(data: bytes, header: _Header, path: Path) -> dict[str, _Rows]:
+    found: dict[str, _Rows] = {}
+    at = header.end
+    for element in header.elements:
+        sizes = _first_sizes(data, at, element, header.order)
+        row = np.dtype(
+            [
+                field
+                for i, (p, n) in enumerate(zip(element.properties, sizes, strict=True))
+                for field in (
+                    *([(f"count {i}", header.order + p.counted)] if p.counted else []),
+                    (f"value {i}", header.order + p.kind, (n,) if p.counted else ()),
+                )
+            ]
+        )
+        alike = element.rows * row.itemsize <= len(data) - at
+        if alike:
+            rows = np.frombuffer(data, row, element.rows, at)
+            alike = all(
+                (rows[f"count {i}"] == sizes[i]).all()
+                for i, p in enumerate(element.properties)
+                if p.counted
+            )
+        if alike:
+            values = [rows[f"value {i}"] for i in range(len(sizes))]
+            found[element.name] = _of_columns(element, values)
+            at += rows.nbytes
+        elif element.lists:
+            places, at = _walked(data, at, element, header.order, path)
+            found[element.name] = _gathered(data, places, element, header.order)
+        else:
+            raise _cut_short(element, path)
+    return found
+
+
+def _first_sizes(data: bytes, at: int, element: _Element, order: str) -> list[int]:
+    """How long the lists of the first row are; files tend to have all alike."""
+    sizes = []
+    for p in element.properties:
+        size = 1
+        if p.counted:
+            width = np.dtype(p.counted).itemsize
+            raw = data[at : at + width] if element.rows else b""
+            size = int(np.frombuffer(raw, order + p.counted)[0]) if len(raw) == width else 0
+            at += width
+        width = np.dtype(p.kind).itemsize
+        sizes.append(min(max(0, size), max(0, len(data) - at) // width))
+        at += sizes[-1] * width
+    return sizes
+
+
+def _walked(
+    data: bytes, at: int, element: _Element, order: str, path: Path
+) -> tuple[IntArray, int]:
+    """(rows, 2) place and length of the list of corners in each row, and where rows end."""
+    wanted = _corners_of(element)
+    signed = [p.counted is not None and p.counted[0] == "i" for p in element.properties]
+    widths = [np.dtype(p.counted).itemsize if p.counted else 0 for p in element.properties]
+    sizes = [np.dtype(p.kind).itemsize for p in element.properties]
+    plan = list(zip(widths, sizes, signed, (i == wanted for i in range(len(sizes))), strict=True))
+    endian: Literal["big", "little"] = "big" if order == ">" else "little"
+    places = np.zeros((element.rows, 2), dtype=np.int64)
+    end = len(data)
+    for row in range(element.rows):
+        for width, size, sign, is_wanted in plan:
+            count = 1
+            if width:
+                count = int.from_bytes(data[at : at + width], endian, signed=sign)
+                at += width
+                if is_wanted:
+                    places[row] = at, count
+            at += count * size
+            if count < 0 or at > end:
+                raise _cut_short(element, path)
+    return places, at
+
+
+def _gathered(data: bytes, places: IntArray, element: _Element, order: str) -> _Rows:
+    """The corners at these places, see :func:`_walked`."""
+    wanted = _corners_of(element)
+    if wanted is None:
+        return _Rows({}, np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+    kind = np.dtype(order + element.properties[wanted].kind)
+    counts = places[:, 1]
+    before = np.repeat(np.cumsum(counts) - counts, counts)
+    starts = np.repeat(places[:, 0], counts) + (np.arange(len(before)) - before) * kind.itemsize
+    raw = np.frombuffer(data, np.uint8)[starts[:, None] + np.arange(kind.itemsize)]
+    corners = np.ascontiguousarray(raw).view(kind).ravel()
+    return _Rows({}, corners.astype(np.int64), counts)
+
+
+def _ascii(data: bytes, header: _Header, path: Path) -> dict[str, _Rows]:
+    try:
+        values = np.array(data[header.end :].split(), dtype=np.float64)
+    except ValueError as error:
+        raise InputError(f"no number in the data: {error}", location=Location(path)) from None
+    found: dict[str, _Rows] = {}
+    at = 0
+    for element in header.elements:
+        if not element.lists:
+            size = element.rows * len(element.properties)
+            if at + size > len(values):
+                raise _cut_short(element, path)
+            table = values[at : at + size].reshape(element.rows, -1)
+            found[element.name] = _of_columns(element, list(table.T))
+            at += size
+            continue
+        wanted = _corners_of(element)
+        lists: list[tuple[int, int]] = []
+        for _ in range(element.rows):
+            for i, p in enumerate(element.properties):
+                count = 1.0
+                if p.counted:
+                    count = float(values[at]) if at < len(values) else -1.0
+                    at += 1
+                if not (0 <= count <= len(values) - at and count == int(count)):
+                    raise _cut_short(element, path)
+                if i == wanted:
+                    lists.append((at, int(count)))
+                at += int(count)
+        found[element.name] = _of_lists(values, lists)
+    return found
+
+
+def _of_lists(values: FloatArray, lists: list[tuple[int, int]]) -> _Rows:
+    counts = np.array([count for _, count in lists], dtype=np.int64)
+    starts = np.array([start for start, _ in lists], dtype=np.int64)
+    before = np.repeat(np.cumsum(counts) - counts, counts)
+    corners = values[np.repeat(starts, counts) + np.arange(len(before)) - before]
+    return _Rows({}, _whole(corners), counts)
+
+
+def _of_columns(element: _Element, values: Sequence[npt.NDArray[np.generic]]) -> _Rows:
+    """Of rows that are all alike, values by property."""
+    columns = {
+        p.name: v.astype(np.float64)
+        for p, v in zip(element.properties, values, strict=True)
+        if not p.counted
+    }
+    wanted = _corners_of(element)
+    none = np.zeros(0, dtype=np.int64)
+    if wanted is None:
+        return _Rows(columns, none, none)
+    table = values[wanted]
+    counts = np.full(element.rows, table.shape[1], dtype=np.int64)
+    return _Rows(columns, _whole(table.astype(np.float64).ravel()), counts)
+
+
+def _corners_of(element: _Element) -> int | None:
+    """Which property names the corners of faces."""
+    for i, p in enumerate(element.properties):
+        if p.counted and p.name in _CORNERS:
+            return i
+    return None
+
+
+def _whole(values: FloatArray) -> IntArray:
+    """Indices; -1, which names no vertex, for what is none."""
+    fit = np.isfinite(values) & (np.abs(values) < 2**53)
+    safe = np.where(fit, values, -1.0)
+    return np.where(safe == np.floor(safe), safe, -1.0).astype(np.int64)
+
+
+def _cut_short(element: _Element, path: Path) -> InputError:
+    return InputError(
+        f"truncated: fewer data than {element.rows:,} of '{element.name}' need",
+        location=Location(path),
+    )

@@ -1,5 +1,6 @@
 """OBJ, OFF and PLY files, content against ending, and OBJ writing."""
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,52 @@ def test_ply(tmp_path: Path, encoding: str) -> None:
     mesh = read_mesh(path).mesh
     np.testing.assert_allclose(mesh.vertices, shape.vertices, rtol=1e-6, atol=1e-9)
     np.testing.assert_array_equal(mesh.faces, shape.faces)
+
+
+CUBE = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("sizes", ["quads", "quads and triangles"])
+def test_ply_of_polygons(tmp_path: Path, order: str, sizes: str) -> None:
+    faces = list(QUADS)
+    if sizes == "quads and triangles":
+        faces[2:4] = [part for a, b, c, d in faces[2:4] for part in ([a, b, c], [a, c, d])]
+    header = (
+        f"ply\nformat {order} 1.0\ncomment by hand\nelement vertex 8\nproperty float x\n"
+        "property float y\nproperty float z\nproperty uchar red\nelement edge 1\n"
+        f"property int vertex1\nproperty int vertex2\nelement face {len(faces)}\n"
+        "property list uchar float texcoord\nproperty uchar flags\n"
+        "property list uchar int vertex_indices\nend_header\n"
+    )
+    if order == "ascii":
+        rows = [" ".join(map(str, [*point, 255])) for point in CUBE] + ["0 1"]
+        rows += [" ".join(map(str, [1, 0.5, 7, len(face), *face])) for face in faces]
+        data = ("\n".join(rows) + "\n").encode()
+    else:
+        e = "<" if order == "binary_little_endian" else ">"
+        data = b"".join(struct.pack(f"{e}3fB", *point, 255) for point in CUBE)
+        data += struct.pack(f"{e}2i", 0, 1)
+        for face in faces:
+            data += struct.pack(f"{e}BfBB{len(face)}i", 1, 0.5, 7, len(face), *face)
+    path = tmp_path / "a.ply"
+    path.write_bytes(header.encode() + data)
+    mesh = read_mesh(path).mesh
+    assert len(mesh.faces) == 12
+    assert mesh.volume == pytest.approx(1.0)
+    path.write_bytes(header.encode() + data[:-7])
+    with pytest.raises(InputError, match="truncated"):
+        read_mesh(path)
+
+
+def test_a_concave_polygon_of_a_ply_does_not_fold_over(tmp_path: Path) -> None:
+    arrow = "0 0 0\n2 0 0\n2 2 0\n1.5 0.5 0\n"
+    text = (
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+    )
+    assert read(tmp_path, text + arrow + "4 0 1 2 3\n", "a.ply").area == pytest.approx(1.0)
 
 
 def test_ply_that_lies_is_refused_before_memory_is_asked_for(tmp_path: Path) -> None:
