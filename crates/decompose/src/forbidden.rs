@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::merge::half_spaces;
-use crate::search::trial::Forbidden;
+use crate::search::sweep::Forbidden;
 
 /// Samples on a grid of about `count` cells over the hull's bounding box.
 pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Vec<Forbidden> {

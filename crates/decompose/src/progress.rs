@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use crate::search::policy::Choice;
-use crate::search::trial::Side;
+use crate::search::sweep::Side;
 
 /// Cuts between a solid and its parts: enough for a comb of as many teeth, and halving ends soon
 /// after it.

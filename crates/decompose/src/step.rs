@@ -16,7 +16,7 @@ use crate::progress::{progress, Lineage, MOST_CUTS};
 use crate::search::piece::Piece;
 use crate::search::policy::{policy, Question};
 use crate::search::price::extent;
-use crate::search::trial::{Basis, Side};
+use crate::search::sweep::{Basis, Side};
 use crate::settings::{Metric, SearchSettings, Sectors};
 
 /// A part to decide about.

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::search::piece::Piece;
-use crate::search::trial::Basis;
+use crate::search::sweep::Basis;
 
 /// A corner of an outline and how the wall behind the edge that leaves it stands.
 #[derive(Clone, Copy, Debug)]

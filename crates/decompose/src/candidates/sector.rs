@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use super::chain::Chain;
 use super::section::outlines;
 use crate::search::piece::Piece;
-use crate::search::trial::{Basis, Forbidden};
+use crate::search::sweep::{Basis, Forbidden};
 use assetpipe_geometry::Plane;
 
 /// Heights of the sections, as shares of the part's extent.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::policy::{Choice, Policy, Question};
 use super::price::{choice, empty, finer, halves, price, price_all, spacing, Half};
-use super::trial::Sweep;
+use super::sweep::Sweep;
 use super::value::Value;
 
 /// The policy.

@@ -8,7 +8,7 @@
 
 use super::policy::{Choice, Policy, Question};
 use super::price::{choice, empty, finer, halves, price, price_all, spacing, Half};
-use super::trial::Sweep;
+use super::sweep::Sweep;
 use super::value::Value;
 
 /// The policy.
@@ -384,7 +384,7 @@ impl<'a> Search<'a> {
         let (first, rest) = (path[0], &path[1..]);
         let sweeps = self.bodies[ROOT].sweeps.take().unwrap_or_default();
         let sweep = &sweeps[first.direction];
-        let at = |t: &super::trial::Trial| t.offset == first.offset;
+        let at = |t: &super::sweep::Trial| t.offset == first.offset;
         let trial = sweep.trials.iter().position(at).unwrap_or(0);
         let mut best = choice(first.direction, &sweep.trials[trial], -quality);
         let offsets = finer(q, &best, spacing(sweep, trial));

@@ -6,6 +6,5 @@ pub mod mcts;
 pub mod piece;
 pub mod policy;
 pub mod price;
-pub mod sweep_hull;
-pub mod trial;
+pub mod sweep;
 mod value;

@@ -4,7 +4,7 @@ use super::greedy::Greedy;
 use super::lookahead::Lookahead;
 use super::mcts::TreeSearch;
 use super::piece::Piece;
-use super::trial::{Basis, Forbidden, Side};
+use super::sweep::{Basis, Forbidden, Side};
 use crate::settings::{PolicyChoice, SearchSettings};
 
 /// A part to cut, and where it may be cut.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::piece::Piece;
 use super::policy::{Choice, Question};
-use super::trial::{sweep, Basis, Forbidden, Scratch, Side, Sweep, Trial};
+use super::sweep::{sweep, Basis, Forbidden, Scratch, Side, Sweep, Trial};
 
 /// Extent of points along a direction.
 pub fn extent(points: &[DVec3], w: DVec3) -> (f64, f64) {

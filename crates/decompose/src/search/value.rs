@@ -1,6 +1,6 @@
 //! What a cut is worth.
 
-use super::trial::Side;
+use super::sweep::Side;
 use crate::settings::{Norm, SearchSettings};
 
 /// Puts the parts of a trial together to one number; smaller is better.

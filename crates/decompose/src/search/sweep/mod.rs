@@ -1,0 +1,206 @@
+//! Pricing all parallel cuts of one direction in one forward and one backward
+//! pass, without making any of them.
+//!
+//! For a plane at height t the volume below follows from the divergence
+//! theorem with the field (0, 0, z − t): it vanishes on the cut itself, so no
+//! cap is needed, and over a triangle the integral is a cubic in t. The hulls
+//! grow point by point along the direction (`hull`); what crosses a
+//! plane enters as the convex hull of the section. Points of the section lie
+//! inside the hull of every later plane, so they are inserted for good.
+
+mod basis;
+mod hull;
+mod section;
+#[cfg(test)]
+mod tests;
+mod trial;
+mod volume;
+
+use glam::{DVec2, DVec3};
+
+pub use self::basis::Basis;
+use self::hull::SweepHull;
+use self::section::sections;
+pub use self::trial::{Forbidden, Side, Sweep, Trial};
+use self::volume::volumes_below;
+use super::piece::Piece;
+
+/// Memory reused between sweeps.
+#[derive(Default)]
+pub struct Scratch {
+    hull: SweepHull,
+    local: Vec<DVec3>,
+    low: Vec<f64>,
+    high: Vec<f64>,
+    order: Vec<u32>,
+    sections: Vec<Vec<DVec2>>,
+    outline: Vec<DVec2>,
+    inserted: Vec<bool>,
+    witness: Vec<u32>,
+}
+
+/// Deterministic noise in [−1/2, 1/2)³ for a key.
+fn noise(key: u64) -> DVec3 {
+    let mut x = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^= x >> 31;
+    let part = |shift: u32| ((x >> shift) & 0x1f_ffff) as f64 / 2_097_152.0 - 0.5;
+    DVec3::new(part(0), part(21), part(42))
+}
+
+/// Size of the jitter of search-only points; working copies have extent ~1.
+const JITTER: f64 = 4e-7;
+
+/// Vertices this close to a plane count as on it: stand-ins of a flat face are
+/// flat to rounding only.
+const ON: f64 = 1e-6;
+
+/// Price cuts at `offsets` (increasing) along `basis.w`.
+///
+/// `slack` is the distance by which section outlines may be simplified.
+pub fn sweep(
+    piece: &Piece,
+    edges: &[(u32, u32)],
+    basis: &Basis,
+    offsets: &[f64],
+    forbidden: &[Forbidden],
+    slack: f64,
+    scratch: &mut Scratch,
+) -> Sweep {
+    let count = offsets.len();
+    scratch.local.clear();
+    scratch
+        .local
+        .extend(piece.points.iter().map(|&p| basis.local(p)));
+    let volumes = volumes_below(piece, &scratch.local, offsets);
+    let total = volumes[count];
+    sections(edges, offsets, slack, scratch);
+
+    let mut result = Sweep {
+        trials: offsets
+            .iter()
+            .zip(&volumes)
+            .map(|(&offset, &part)| Trial {
+                offset,
+                below: Side {
+                    part,
+                    ..Side::default()
+                },
+                above: Side {
+                    part: total - part,
+                    ..Side::default()
+                },
+            })
+            .collect(),
+        enters_below: vec![count as u32; forbidden.len()],
+        leaves_above: vec![0; forbidden.len()],
+    };
+    pass(basis, offsets, forbidden, scratch, &mut result, false);
+    pass(basis, offsets, forbidden, scratch, &mut result, true);
+    result
+}
+
+/// One pass over all planes: from below, or mirrored from above.
+fn pass(
+    basis: &Basis,
+    offsets: &[f64],
+    forbidden: &[Forbidden],
+    scratch: &mut Scratch,
+    result: &mut Sweep,
+    mirrored: bool,
+) {
+    let Scratch {
+        hull,
+        local,
+        low,
+        high,
+        order,
+        sections,
+        inserted,
+        witness,
+        ..
+    } = scratch;
+    let sign = if mirrored { -1.0 } else { 1.0 };
+    // The mirror image of the hull has the same volume: both passes go upwards.
+    let flip = |p: DVec3| DVec3::new(p.x, p.y, sign * p.z);
+    hull.clear();
+    inserted.clear();
+    inserted.resize(local.len(), false);
+    witness.clear();
+    witness.resize(forbidden.len(), u32::MAX);
+    let reach = |v: u32| {
+        if mirrored {
+            -high[v as usize]
+        } else {
+            low[v as usize]
+        }
+    };
+    let position = |rank: usize| {
+        if mirrored {
+            order.len() - 1 - rank
+        } else {
+            rank
+        }
+    };
+
+    let mut next = 0;
+    let mut held = 0.0;
+    for step in 0..offsets.len() {
+        let k = if mirrored {
+            offsets.len() - 1 - step
+        } else {
+            step
+        };
+        let t = sign * offsets[k];
+        let mut ahead = next;
+        while ahead < order.len() {
+            let v = order[position(ahead)];
+            let z = sign * local[v as usize].z;
+            if z > t + ON {
+                break;
+            }
+            // A vertex on the plane belongs to this side only if something of
+            // this side hangs on it; a flat face seen from outside does not.
+            let belongs = z < t - ON || reach(v) < t - ON;
+            if belongs && !inserted[v as usize] {
+                inserted[v as usize] = true;
+                hull.insert(flip(local[v as usize] + JITTER * noise(u64::from(v))));
+            }
+            ahead += 1;
+            if z < t - ON {
+                next = ahead;
+            }
+        }
+        for (i, p) in sections[k].iter().enumerate() {
+            let key = ((k as u64 + 1) << 32) + i as u64;
+            hull.insert(flip(p.extend(offsets[k]) + JITTER * noise(key)));
+        }
+        for (i, sample) in forbidden.iter().enumerate() {
+            let known = if mirrored {
+                result.leaves_above[i] != 0
+            } else {
+                (result.enters_below[i] as usize) < offsets.len()
+            };
+            if known || sign * basis.w.dot(sample.point) > t {
+                continue;
+            }
+            if hull.contains(flip(basis.local(sample.point)), &mut witness[i]) {
+                held += sample.weight;
+                if mirrored {
+                    result.leaves_above[i] = k as u32 + 1;
+                } else {
+                    result.enters_below[i] = k as u32;
+                }
+            }
+        }
+        let trial = &mut result.trials[k];
+        let side = if mirrored {
+            &mut trial.above
+        } else {
+            &mut trial.below
+        };
+        side.hull = hull.volume();
+        side.forbidden = held;
+    }
+}
