@@ -2,6 +2,8 @@
 
 Branch and bound over triangles: the distance to a surface is 1-Lipschitz, so that
 its value at a triangle's centre plus the triangle's radius bounds it all over the triangle.
+Triangles that lie on the surface, but on several of its faces, are cut where these end;
+slender ones are halved, and others quartered.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from assetpipe.geometry.health.topology import face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.frame import Frame
+from assetpipe.geometry.repair.pieces import divided
 from assetpipe.geometry.repair.result import Deviation
 from assetpipe.geometry.repair.surface import NEAR, Corners, Surface
 
@@ -96,6 +99,11 @@ def farthest_each(
         (owners,) bounds.
     """
     reached, settled = np.zeros(owners), np.zeros(owners)
+
+    def enough() -> FloatArray:
+        """(n,) what need not be known more sharply."""
+        return np.maximum(_SHARP * reached[owner] + resolution, floor)
+
     while len(corners):
         deadline.check()
         centre = corners.mean(axis=1)
@@ -103,7 +111,7 @@ def farthest_each(
         distance, face, _ = surface.closest(centre)
         upper = np.minimum(distance + radius, surface.bound_over(corners, face))
         if side == "solid":
-            far = np.flatnonzero(upper > np.maximum(_SHARP * reached[owner] + resolution, floor))
+            far = np.flatnonzero(upper > enough())
             far = far[distance[far] > NEAR]
             inside = far[np.abs(surface.winding(centre[far])) > 0.5]
             # The centre is inside: what lies nearer to it than the surface is inside too.
@@ -114,24 +122,15 @@ def farthest_each(
             asked[far] = True
             distance[~asked & (distance > NEAR)] = 0.0
         np.maximum.at(reached, owner, distance)
-        undecided = upper > np.maximum(_SHARP * reached[owner] + resolution, floor)
-        undecided &= reached[owner] <= ceiling
+        undecided = (upper > enough()) & (reached[owner] <= ceiling)
         np.maximum.at(settled, owner[~undecided], upper[~undecided])
-        corners, owner = corners[undecided], owner[undecided]
-        if 4 * len(corners) > _TRIANGLES:
+        corners, owner, face = corners[undecided], owner[undecided], face[undecided]
+        parts, source = divided(corners, surface.vertices[surface.faces[face]], enough())
+        if len(parts) > _TRIANGLES:
             np.maximum.at(settled, owner, upper[undecided])
             break
-        corners, owner = _quarters(corners), np.tile(owner, 4)
+        corners, owner = parts, owner[source]
     return np.maximum(settled, reached)
-
-
-def _quarters(corners: Corners) -> Corners:
-    """Each triangle cut at its edges' midpoints."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
-    return np.concatenate(
-        [np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-    )
 
 
 def quantile(

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import Delaunay
 
 from assetpipe.geometry import Mesh, RepairPolicy, Rung, repair
+from assetpipe.geometry.repair.deviation import farthest
 from assetpipe.geometry.repair.sheets import thicken
+from assetpipe.geometry.repair.surface import Surface
 
 
 def sphere(subdivisions: int) -> tuple[np.ndarray, np.ndarray]:
@@ -91,3 +94,17 @@ def test_no_point_of_a_slab_is_farther_than_it_says(mesh: Mesh, side: str) -> No
     away = distances(Mesh(slab.vertices, slab.faces), mesh)
     assert away.max() <= slab.away + 1e-9
     assert slab.away <= 0.03 + 1e-12
+
+
+def test_a_surface_cut_up_otherwise_lies_where_it_was() -> None:
+    """Quarters of the two triangles would have to become as small as the resolution."""
+    ticks = np.linspace(0.0, 1.0, 38)
+    x, y = (axis.ravel() for axis in np.meshgrid(ticks, ticks))
+    turn = trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])[:3, :3]
+    points = np.stack([x, y, 0.0 * x], axis=1)
+    fine = Surface(points @ turn.T, np.asarray(Delaunay(points[:, :2]).simplices, dtype=np.int64))
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) @ turn.T
+    coarse = square[[[0, 1, 2], [0, 2, 3]]]
+    assert farthest(fine, coarse, side="surface", resolution=1e-6) < 2e-6
+    lifted = coarse + 0.25 * turn[:, 2]
+    assert farthest(fine, lifted, side="surface", resolution=1e-6) == pytest.approx(0.25, rel=0.05)
