@@ -97,6 +97,7 @@ impl Grid<'_> {
                     samples.push(Forbidden {
                         point: DVec3::new(x, y, z + s * step),
                         weight,
+                        depth: 0.0,
                     });
                     s += 1.0;
                 }

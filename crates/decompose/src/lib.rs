@@ -3,6 +3,7 @@
 pub mod adopt;
 pub mod between;
 pub mod budget;
+pub mod buried;
 pub mod candidates;
 pub mod canonical;
 pub mod close;

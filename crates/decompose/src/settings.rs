@@ -92,6 +92,9 @@ pub struct SearchSettings {
     pub undone: f64,
     /// Samples of forbidden space a part.
     pub samples: usize,
+    /// With the concavity: what surface that is deeper than ε in its hull counts as, a thickness of
+    /// forbidden space; 0 for nothing.
+    pub buried: f64,
     /// Offsets tried when the chosen plane is refined; 0 for no refinement.
     pub refine: usize,
     /// Triangles of the stand-ins, decreasing.
@@ -162,6 +165,7 @@ impl Default for SearchSettings {
             excess: 0.1,
             undone: 0.0,
             samples: 2000,
+            buried: 0.3,
             refine: 8,
             ladder: vec![4800, 1200, 300],
             fewest: 150,
@@ -302,6 +306,7 @@ impl SearchSettings {
             "excess" => self.excess = number(name, value)?,
             "undone" => self.undone = number(name, value)?,
             "samples" => self.samples = number(name, value)?,
+            "buried" => self.buried = number(name, value)?,
             "refine" => self.refine = number(name, value)?,
             "fewest" => self.fewest = number(name, value)?,
             "section" => self.section = number(name, value)?,

@@ -5,6 +5,7 @@ use assetpipe_geometry::hull::HullError;
 use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
 
+use crate::buried;
 use crate::candidates::{flat_faces, notch, sector};
 use crate::concavity::{Decision, Interval};
 use crate::error::DecomposeError;
@@ -126,7 +127,7 @@ fn cut(
     if lineage.cuts >= MOST_CUTS {
         return halve();
     }
-    let samples = forbidden::sample(judge.solid, &part.hull, epsilon, settings.samples);
+    let mut samples = forbidden::sample(judge.solid, &part.hull, epsilon, settings.samples);
     let mut directions: Vec<Basis> = (0..3).map(Basis::axis).collect();
     if settings.sectors == Sectors::Foreseen {
         let best = directions
@@ -139,6 +140,11 @@ fn cut(
         if let Some((plane, _)) = best {
             return (plane, lineage.after(plane.normal, true));
         }
+    }
+    if judge.metric == Metric::Concavity && settings.buried > 0.0 {
+        let (count, height) = (settings.samples / 2, settings.buried * epsilon);
+        let stand_in = part.stand_in(settings.fewest);
+        samples.extend(buried::sample(stand_in, &part.hull, epsilon, count, height));
     }
     // If all are closed, all are open again.
     if directions.iter().any(|b| open(b.w)) {

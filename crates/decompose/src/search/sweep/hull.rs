@@ -22,6 +22,8 @@ struct Face {
     normal: DVec3,
     /// `normal · x` on the face.
     offset: f64,
+    /// Of the normal.
+    length: f64,
     corners: [u32; 3],
     /// `neighbours[i]` lies across the edge from corner i to corner i + 1.
     neighbours: [u32; 3],
@@ -67,16 +69,16 @@ impl SweepHull {
         self.volume
     }
 
-    /// Whether `q` lies inside. `witness` remembers a face that separates, and
-    /// makes the next question about the same point cheap.
-    pub fn contains(&self, q: DVec3, witness: &mut u32) -> bool {
+    /// Whether `q` lies inside, `depth` below all faces. `witness` remembers a face that
+    /// separates, and makes the next question about the same point cheap.
+    pub fn contains(&self, q: DVec3, depth: f64, witness: &mut u32) -> bool {
         if let Some(face) = self.faces.get(*witness as usize) {
-            if face.alive && face.normal.dot(q) > face.offset {
+            if face.alive && face.normal.dot(q) > face.offset - depth * face.length {
                 return false;
             }
         }
         for (index, face) in self.faces.iter().enumerate() {
-            if face.alive && face.normal.dot(q) > face.offset {
+            if face.alive && face.normal.dot(q) > face.offset - depth * face.length {
                 *witness = index as u32;
                 return false;
             }
@@ -150,6 +152,7 @@ impl SweepHull {
         Face {
             normal,
             offset: normal.dot(a),
+            length: normal.length(),
             corners,
             neighbours,
             alive: true,
@@ -287,12 +290,12 @@ mod tests {
         }
         assert!((hull.volume() - 1.0).abs() < 0.01, "{}", hull.volume());
         let mut witness = NONE;
-        assert!(hull.contains(DVec3::splat(0.5), &mut witness));
-        assert!(!hull.contains(DVec3::new(1.1, 0.5, 0.5), &mut witness));
-        assert!(!hull.contains(DVec3::new(1.1, 0.5, 0.5), &mut witness));
+        assert!(hull.contains(DVec3::splat(0.5), 0.0, &mut witness));
+        assert!(!hull.contains(DVec3::new(1.1, 0.5, 0.5), 0.0, &mut witness));
+        assert!(!hull.contains(DVec3::new(1.1, 0.5, 0.5), 0.0, &mut witness));
         let inside = points
             .iter()
-            .filter(|&&p| hull.contains(0.5 + (p - 0.5) * 0.999, &mut witness))
+            .filter(|&&p| hull.contains(0.5 + (p - 0.5) * 0.999, 0.0, &mut witness))
             .count();
         assert_eq!(inside, points.len());
     }

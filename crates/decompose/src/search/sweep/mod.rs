@@ -185,7 +185,8 @@ fn pass(
             if known || sign * basis.w.dot(sample.point) > t {
                 continue;
             }
-            if hull.contains(flip(basis.local(sample.point)), &mut witness[i]) {
+            let point = flip(basis.local(sample.point));
+            if hull.contains(point, sample.depth, &mut witness[i]) {
                 held += sample.weight;
                 if mirrored {
                     result.leaves_above[i] = k as u32 + 1;

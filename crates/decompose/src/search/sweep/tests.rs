@@ -119,6 +119,7 @@ fn forbidden_samples_enter_where_the_hull_reaches_them() {
     let corner = Forbidden {
         point: DVec3::new(1.2, 0.5, 1.2),
         weight: 1.0,
+        depth: 0.0,
     };
     let basis = Basis::axis(2);
     let offsets = [0.5, 1.0, 1.1, 1.5];

@@ -2,13 +2,15 @@
 
 use glam::DVec3;
 
-/// A sample of the space that no hull may contain.
+/// A sample of what no hull may contain.
 #[derive(Clone, Copy, Debug)]
 pub struct Forbidden {
     /// Where.
     pub point: DVec3,
     /// The volume it stands for.
     pub weight: f64,
+    /// A hull contains it only if it is this deep inside.
+    pub depth: f64,
 }
 
 /// What one side of a trial cut would be.
