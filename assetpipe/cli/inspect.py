@@ -18,6 +18,7 @@ from assetpipe.cli.options import STDOUT, JsonCommand
     "--source", type=click.Choice(["collision", "visual"]), default="collision", show_default=True
 )
 @click.option("--repair", type=click.Choice(["strict", "auto", "off"]), help="How repair is tried.")
+@options.openings_option
 @options.run_settings
 @options.json_option
 def command(inputs: tuple[Path, ...], **given: Any) -> int:

@@ -72,6 +72,13 @@ def json_option(function: F) -> F:
     )(function)
 
 
+openings_option = click.option(
+    "--openings",
+    type=click.Choice(["auto", "fill", "sheet", "refuse"]),
+    help="Too wide for repair to close.",
+)
+"""What becomes of openings: ``fill`` says that parts are solid."""
+
 build_settings = _stack(
     [
         click.option(
@@ -103,6 +110,7 @@ build_settings = _stack(
             help="Convex polytopes inside the solid, in inner_hulls.",
         ),
         click.option("--repair", type=click.Choice(["strict", "auto", "off"])),
+        openings_option,
         click.option("--seed", type=click.IntRange(min=0), metavar="N"),
         click.option("--no-validate", is_flag=True, help="Skip FCL and the physics engine."),
     ]
@@ -157,8 +165,10 @@ def config_from(options: dict[str, Any]) -> Config:
         "formats",
     )
     changes = {key: options[key] for key in direct if options.get(key) is not None}
-    if options.get("repair"):
-        changes["repair"] = {**config.repair.model_dump(), "mode": options["repair"]}
+    repair = {"mode": options.get("repair"), "openings": options.get("openings")}
+    if any(repair.values()):
+        asked = {key: value for key, value in repair.items() if value}
+        changes["repair"] = {**config.repair.model_dump(), **asked}
     if options.get("no_validate"):
         changes["validation"] = {**config.validation.model_dump(), "checks": []}
     return config.with_changes(**changes) if changes else config

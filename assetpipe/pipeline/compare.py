@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from assetpipe.errors import CancelledError, Location, UsageError
 from assetpipe.findings import Finding, Severity
-from assetpipe.pipeline.config import Config
+from assetpipe.pipeline.config import Config, LinkSettings
 from assetpipe.pipeline.executors import Task
 from assetpipe.pipeline.executors.choose import cores
 from assetpipe.pipeline.executors.local import LocalExecutor
@@ -98,7 +98,7 @@ def validate(
         built: the URDF that was made of it, or the folder that holds it alone.
         scenes: files, or names of shipped scenes.
         depth: ``sensitivity`` answers scenes again with every effect toggled.
-        config: its ``validation``, ``limits``, ``cavities``, ``reach`` and ``jobs`` matter.
+        config: its ``validation``, ``limits``, ``cavities``, ``openings``, ``reach`` and ``jobs`` matter.
         on_progress: hears of it.
         cancel: stops it.
 
@@ -186,9 +186,11 @@ def _compare(
             "after": [_request(c) for c in new],
             "contact": contact if "contact" in settings.checks else None,
             "cavities": config.cavities,
+            "openings": config.links.get(link.name, LinkSettings()).openings
+            or config.repair.openings,
             "reach": config.reach,
         }
-        for _, old, new in pairs
+        for link, old, new in pairs
     ]
     limits = config.limits
     tasks = [

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,21 +17,26 @@ from assetpipe.geometry.mesh import Mesh
 from assetpipe.pipeline.outcome import HullOutcome, MeshOutcome
 from assetpipe.pipeline.stages import Reporter
 
+if TYPE_CHECKING:
+    from assetpipe.geometry import RepairPolicy
+
 
 def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
     """Compare.
 
     Request keys: ``before`` and ``after``, lists of ``{file, scale, matrix}``, in ``after``
     also of ``{kind, size, matrix}`` for simple shapes; ``contact``
-    with ``samples`` and ``seed``; ``cavities``; ``reach``.
+    with ``samples`` and ``seed``; ``cavities``; ``openings``; ``reach``.
     """
     from assetpipe.decomposition import close_unreachable
+    from assetpipe.geometry import RepairPolicy
 
     findings: list[Finding] = []
     facts: dict[str, Any] = {}
     try:
         reporter.stage("repair")
-        solid = _solid(request["before"], request["cavities"])
+        policy = RepairPolicy(cavities=request["cavities"], openings=request["openings"])
+        solid = _solid(request["before"], policy)
         if request["reach"] > 0.0:
             reporter.stage("reach")
             closed = close_unreachable(solid, request["reach"])
@@ -67,11 +72,10 @@ def _simple(item: Mapping[str, Any]) -> Mesh:
     return shape.polytope()
 
 
-def _solid(items: Sequence[Mapping[str, Any]], cavities: Any) -> Mesh:
+def _solid(items: Sequence[Mapping[str, Any]], policy: RepairPolicy) -> Mesh:
     """All original meshes of the link as one solid."""
-    from assetpipe.geometry import RepairPolicy, repair
+    from assetpipe.geometry import repair
 
-    policy = RepairPolicy(cavities=cavities)
     solids: list[Mesh] = []
     for item in items:
         solid = repair(_placed(item), policy=policy).solid

@@ -32,6 +32,7 @@ Effort = Literal["fast", "balanced", "best"]
 Engine = Literal["assetpipe", "coacd", "vhacd", "hull"]
 Cavities = Literal["fill", "keep"]
 RepairMode = Literal["strict", "auto", "off"]
+Openings = Literal["auto", "fill", "sheet", "refuse"]
 Shapes = Literal["hulls", "primitives", "primitives_and_capsules"]
 Inner = Literal["none", "write"]
 Format = Literal["urdf"]
@@ -123,10 +124,14 @@ class RepairSettings(_Frozen):
         mode: ``auto`` repairs; ``strict`` refuses what is no solid as it is;
             ``off`` takes meshes as they are.
         budget: repairs that move the surface further than this are a finding.
+        openings: wider than the budget allows to close. ``auto`` gives the surface around them
+            a thickness unless they are minor; ``sheet`` always; ``fill`` closes them: the
+            part is solid; ``refuse`` makes the mesh a finding.
     """
 
     mode: RepairMode = "auto"
     budget: ToleranceField = Tolerance.relative(0.01)
+    openings: Openings = "auto"
 
 
 class Limits(_Frozen):
@@ -169,12 +174,14 @@ class LinkSettings(_Frozen):
         tolerance: of this link.
         max_hulls: budget of this link's meshes.
         max_hull_vertices: of this link's hulls.
+        openings: of this link's meshes.
         treatment: ``keep`` leaves the link's collision geometry untouched.
     """
 
     tolerance: ToleranceField | None = None
     max_hulls: int | None = Field(default=None, ge=1)
     max_hull_vertices: int | None = Field(default=None, ge=4)
+    openings: Openings | None = None
     treatment: Literal["decompose", "keep"] = "decompose"
 
 

@@ -114,7 +114,11 @@ def _solid(
     value, unit = params["repair_budget"]
     facts["health"] = examine(mesh).as_dict()
     policy = RepairPolicy(
-        mode=params["repair"], budget=value, budget_unit=unit, cavities=params["cavities"]
+        mode=params["repair"],
+        budget=value,
+        budget_unit=unit,
+        cavities=params["cavities"],
+        openings=params["openings"],
     )
     try:
         repaired = repair(mesh, policy=policy)

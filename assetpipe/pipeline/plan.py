@@ -161,6 +161,7 @@ def _job(
                 budget.value,
                 {"relative": "share", "metres": "metres", "coacd": "share"}[budget.unit],
             ],
+            "openings": settings.openings or config.repair.openings,
             "faces": config.limits.faces,
             "file_size": config.limits.file_size,
         },

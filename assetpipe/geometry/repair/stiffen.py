@@ -115,6 +115,7 @@ def _wide(patch: Patch, job: Job) -> list[Finding]:
             f"{len(wide)} openings are wider than the repair budget allows to close; the "
             f"widest, {opening.width * scale:.4g} m at ({at}) and {flat}, was left open and "
             f"the surface given a thickness of {job.thickness * scale:.3g} m",
-            hint="if the part is solid, close the mesh or set repair openings to 'fill'",
+            hint="if the part is solid, close the mesh or set openings to 'fill', for all (in "
+            "repair:, or --openings fill) or for this link (in links:)",
         )
     ]

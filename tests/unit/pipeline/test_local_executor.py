@@ -21,6 +21,7 @@ PARAMS = {
     "tolerance": [0.01, "relative"],
     "repair": "auto",
     "repair_budget": [0.01, "share"],
+    "openings": "auto",
     "cavities": "fill",
     "faces": 1000,
     "file_size": 10**6,
