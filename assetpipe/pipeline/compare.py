@@ -98,7 +98,8 @@ def validate(
         built: the URDF that was made of it, or the folder that holds it alone.
         scenes: files, or names of shipped scenes.
         depth: ``sensitivity`` answers scenes again with every effect toggled.
-        config: its ``validation``, ``limits``, ``cavities``, ``openings``, ``reach`` and ``jobs`` matter.
+        config: its ``validation``, ``limits``, ``cavities``, ``reach``, ``jobs``, and what it
+            says of openings matter.
         on_progress: hears of it.
         cancel: stops it.
 
