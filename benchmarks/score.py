@@ -59,6 +59,12 @@ def surface_points(vertices, faces, count, rng):
     return np.vstack([vertices, inner])
 
 
+def referenced(vertices, faces):
+    """Without the vertices that no face names: they are no part of the surface."""
+    names, renamed = np.unique(faces, return_inverse=True)
+    return vertices[names], renamed.reshape(faces.shape)
+
+
 def distance_outside(points, vertices, faces):
     """Distance to the solid; zero inside it (winding number above one half)."""
     squared, *_ = igl.point_mesh_squared_distance(points, vertices, faces)
@@ -103,7 +109,7 @@ def score(vertices, faces, hulls, *, samples: int = 20_000, seed: int = 0) -> Sc
     outside = [distance_outside(p, vertices, faces) for p in surface]
     inner = distance_outside(np.vstack(volume), vertices, faces) if volume else np.zeros(1)
 
-    skin = surface_points(vertices, faces, samples, rng)
+    skin = surface_points(*referenced(vertices, faces), samples, rng)
     reach = np.full(len(skin), np.inf)
     depth = np.full(len(skin), 0.0)
     eq10 = 0.0

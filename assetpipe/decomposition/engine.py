@@ -217,10 +217,17 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
             f"{1.0 / _LARGEST:g} m to {_LARGEST:g} m"
         )
     closed, edges = _edges(mesh)
-    if cavities == "keep" and closed and mesh.volume > 0 and not _repeats_faces(mesh, edges):
-        return mesh, None
     from assetpipe.geometry import RepairPolicy, repair
+    from assetpipe.geometry.repair.overlap import components_disagree
 
+    if (
+        cavities == "keep"
+        and closed
+        and mesh.volume > 0
+        and not _repeats_faces(mesh, edges)
+        and not components_disagree(mesh)
+    ):
+        return mesh, None
     repaired = repair(mesh, policy=RepairPolicy(cavities=cavities))
     if repaired.solid is None:
         reasons = "; ".join(finding.message for finding in repaired.findings)

@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from assetpipe.geometry.health.topology import face_areas
-from assetpipe.geometry.mesh import FloatArray
+from assetpipe.geometry.health.topology import Edges, face_areas, face_components
+from assetpipe.geometry.mesh import FloatArray, Mesh
+from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
+from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, arrays_of, manifold_of, shells_of, unite
@@ -99,6 +101,31 @@ def overlap(shell: Shell) -> float:
     below = chosen < _POINTS
     sure = np.where(below, sense * exact > 1.5, sense * exact < -0.5)
     return float(np.mean(sure)) * len(suspect) / _POINTS
+
+
+def components_disagree(mesh: Mesh) -> bool:
+    """Whether components of a closed mesh overlap each other or lie inside-out in the open.
+
+    Of the first it knows by samples, :func:`overlap`, of the second by the winding number
+    within every component that faces inward.
+    """
+    edges = Edges.of(mesh.faces, len(mesh.vertices))
+    number, label = face_components(edges)
+    if number == 1:
+        return False
+    import igl
+
+    units = Frame.around(mesh.vertices).inward(mesh.vertices)
+    a, b, c = (units[mesh.faces[:, k]] for k in range(3))
+    inward = np.bincount(label, products(a, np.cross(b, c)), number) < 0.0
+    areas, normals = face_areas(units, mesh.faces)
+    order = np.lexsort((-areas, label))
+    largest = order[np.searchsorted(label[order], np.flatnonzero(inward))]
+    unit = normals[largest] / np.maximum(2.0 * areas[largest], np.finfo(float).tiny)[:, None]
+    within = units[mesh.faces[largest]].mean(axis=1) + _ASIDE * unit
+    if (igl.winding_number(units, mesh.faces, within) < -0.5).any():
+        return True
+    return overlap(Shell.of(units, mesh.faces)) > TANGLED
 
 
 def _wrong(winding: FloatArray) -> npt.NDArray[np.bool_]:

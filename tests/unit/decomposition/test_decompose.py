@@ -265,3 +265,18 @@ def test_what_is_no_solid_is_a_typed_error(mesh, error):
 def test_an_impossible_tolerance_is_a_usage_error(tolerance):
     with pytest.raises(UsageError):
         assetpipe.decompose(open_box(), tolerance)
+
+
+@pytest.mark.parametrize("at", [2.0, 0.6], ids=["apart", "overlapping"])
+def test_a_component_that_faces_inward_in_the_open_is_solid(at: float) -> None:
+    """Taken as it is, it was a void: six plates around it, or parts without end."""
+    big, small = trimesh.creation.box((1, 1, 1)), trimesh.creation.box((0.3, 0.3, 0.3))
+    small.apply_translation((at, 0, 0))
+    small.invert()
+    vertices = np.vstack([big.vertices, small.vertices])
+    result = assetpipe.decompose((vertices, np.vstack([big.faces, small.faces + 8])), "1%")
+    assert len(result.hulls) == 2
+    assert result.solid is not None
+    assert result.solid.volume == pytest.approx(1.027 if at == 2.0 else 1 + 0.3**2 * 0.25)
+    assert result.repair is not None
+    assert result.repair.moved == 0.0
