@@ -14,6 +14,11 @@ from assetpipe.geometry import Mesh
 
 Part = tuple[np.ndarray, np.ndarray]
 
+_SEARCH = {
+    "thickening": {"policy": "greedy"},
+    "concavity": {"policy": "lookahead", "ways": "2"},
+}
+
 
 def parts_of(solid: Mesh, epsilon: float, metric: str = "thickening") -> list[list[Part]]:
     """The parts under each hull."""
@@ -22,7 +27,7 @@ def parts_of(solid: Mesh, epsilon: float, metric: str = "thickening") -> list[li
         np.ascontiguousarray(solid.faces),
         epsilon,
         # As `decompose` asks for either metric.
-        {"metric": metric, "policy": "greedy" if metric == "thickening" else "lookahead"},
+        {"metric": metric, **_SEARCH[metric]},
         1,
     )
     return found
