@@ -1,38 +1,17 @@
 //! Time of certified bounds: a decision, an interval, and Eq. 4 of Wei et al. 2022.
 #![allow(missing_docs)]
 
+#[path = "../tests/rings/mod.rs"]
+mod rings;
+
 use std::hint::black_box;
 
 use assetpipe_decompose::concavity::{thickening, wei, Gap, Limits};
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::convex_hull;
-use assetpipe_geometry::{DVec3, Mesh};
+use assetpipe_geometry::DVec3;
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion};
-
-/// A ring of about 2 n² triangles, radii 1 and 0.3.
-fn ring(n: usize) -> Mesh {
-    let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
-    let vertices = (0..n * n)
-        .map(|k| {
-            let (u, v) = (turn(k / n), turn(k % n));
-            let ring = 1.0 + 0.3 * libm::cos(v);
-            DVec3::new(ring * libm::cos(u), ring * libm::sin(u), 0.3 * libm::sin(v))
-        })
-        .collect();
-    let index = |i: usize, j: usize| (i % n * n + j % n) as u32;
-    let triangles = (0..n * n)
-        .flat_map(|k| {
-            let (i, j) = (k / n, k % n);
-            let (a, b) = (index(i, j), index(i + 1, j));
-            let (c, d) = (index(i + 1, j + 1), index(i, j + 1));
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    Mesh {
-        vertices,
-        triangles,
-    }
-}
+use rings::ring;
 
 fn bounds(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("bound");
@@ -42,7 +21,8 @@ fn bounds(criterion: &mut Criterion) {
         absolute: 1e-3,
     };
     for n in [16, 64, 256] {
-        let mesh = ring(n);
+        // About 2 n² triangles, radii 1 and 0.3.
+        let mesh = ring(n, n, |_, _| 0.3);
         let index = SolidIndex::new(&mesh);
         // A fifth of the ring: it thickens by about 0.1.
         let slice: Vec<DVec3> = mesh.vertices[..n * n.div_ceil(5)].to_vec();

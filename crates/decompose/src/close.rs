@@ -180,13 +180,11 @@ mod tests {
     use super::*;
     use crate::convex::check_closed;
     use crate::merge::volume;
+    use crate::shapes::cuboid;
     use assetpipe_geometry::hull::convex_hull;
 
     fn cube() -> Piece {
-        let corners: Vec<DVec3> = (0..8u32)
-            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
-            .collect();
-        Piece::from(&convex_hull(&corners).unwrap())
+        Piece::from(&cuboid(DVec3::ZERO, DVec3::ONE))
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub mod proxy;
 pub mod reach;
 pub mod search;
 pub mod settings;
+#[cfg(test)]
+mod shapes;
 pub mod slivers;
 pub mod step;
 pub mod working;

@@ -2,6 +2,8 @@
 //! `√2 · max(H_b, R_v) ≥ max(H_b, H_i)`.
 #![allow(clippy::unwrap_used)]
 
+mod rings;
+
 use assetpipe_decompose::concavity::{wei, Gap, Limits};
 use assetpipe_decompose::control::Control;
 use assetpipe_decompose::decomposition::parts;
@@ -9,37 +11,17 @@ use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::convex_hull;
 use assetpipe_geometry::sample::Random;
-use assetpipe_geometry::{DVec3, Mesh};
+use assetpipe_geometry::Mesh;
+use rings::ring;
 
 /// A ring whose thickness waves along and around it.
 fn wavy_ring(seed: u64) -> Mesh {
-    const AROUND: usize = 36;
-    const ACROSS: usize = 14;
     let mut random = Random::new(seed);
     let mut next = |from: f64, to: f64| from + (to - from) * random.unit();
     let (thin, wave, swirl) = (next(0.15, 0.5), next(0.05, 0.35), next(1.0, 5.0).round());
-    let turn = |k: usize, of: usize| std::f64::consts::TAU * k as f64 / of as f64;
-    let vertices = (0..AROUND * ACROSS)
-        .map(|k| {
-            let (u, v) = (turn(k / ACROSS, AROUND), turn(k % ACROSS, ACROSS));
-            let r = thin * (1.0 + wave * libm::sin(swirl * u) + wave * libm::cos(2.0 * v + u));
-            let ring = 1.0 + r * libm::cos(v);
-            DVec3::new(ring * libm::cos(u), ring * libm::sin(u), r * libm::sin(v))
-        })
-        .collect();
-    let index = |i: usize, j: usize| (i % AROUND * ACROSS + j % ACROSS) as u32;
-    let triangles = (0..AROUND * ACROSS)
-        .flat_map(|k| {
-            let (i, j) = (k / ACROSS, k % ACROSS);
-            let (a, b) = (index(i, j), index(i + 1, j));
-            let (c, d) = (index(i + 1, j + 1), index(i, j + 1));
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    Mesh {
-        vertices,
-        triangles,
-    }
+    ring(36, 14, |u, v| {
+        thin * (1.0 + wave * libm::sin(swirl * u) + wave * libm::cos(2.0 * v + u))
+    })
 }
 
 #[test]

@@ -1,35 +1,19 @@
 //! The number of threads changes no bit of a result.
 #![allow(clippy::unwrap_used)]
 
+mod rings;
+
 use assetpipe_decompose::control::Control;
 use assetpipe_decompose::decomposition::decompose;
 use assetpipe_decompose::settings::{Metric, SearchSettings};
 use assetpipe_geometry::{DVec3, Mesh};
+use rings::ring;
 
 /// A ring with bumps: `around` by `across` cells.
-fn bumpy_ring(around: u32, across: u32) -> Mesh {
-    let turn = |k: u32, n: u32| std::f64::consts::TAU * f64::from(k) / f64::from(n);
-    let mut mesh = Mesh::default();
-    for i in 0..around {
-        for j in 0..across {
-            let (a, b) = (turn(i, around), turn(j, across));
-            let radius = 0.35 + 0.08 * libm::sin(5.0 * a) * libm::cos(3.0 * b);
-            let out = 1.0 + radius * libm::cos(b);
-            mesh.vertices.push(DVec3::new(
-                out * libm::cos(a),
-                out * libm::sin(a),
-                radius * libm::sin(b),
-            ));
-        }
-    }
-    let at = |i: u32, j: u32| i % around * across + j % across;
-    for i in 0..around {
-        for j in 0..across {
-            let [p, q, r, s] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            mesh.triangles.extend([[p, q, r], [p, r, s]]);
-        }
-    }
-    mesh
+fn bumpy_ring(around: usize, across: usize) -> Mesh {
+    ring(around, across, |u, v| {
+        0.35 + 0.08 * libm::sin(5.0 * u) * libm::cos(3.0 * v)
+    })
 }
 
 /// All numbers of a result, coarser levels included.

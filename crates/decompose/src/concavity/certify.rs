@@ -101,8 +101,8 @@ impl Body {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shapes;
     use super::*;
+    use crate::shapes;
 
     const CLOSE: Gap = Gap {
         relative: 0.005,

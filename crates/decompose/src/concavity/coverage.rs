@@ -220,8 +220,8 @@ impl Union for Cover<'_> {
 mod tests {
     use assetpipe_geometry::hull::convex_hull;
 
-    use super::super::shapes;
     use super::*;
+    use crate::shapes;
 
     const CLOSE: Gap = Gap {
         relative: 0.005,

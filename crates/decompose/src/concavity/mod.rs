@@ -9,8 +9,6 @@ mod interval;
 mod limits;
 mod mixture;
 mod patches;
-#[cfg(test)]
-mod shapes;
 pub mod thickening;
 pub mod wei;
 

@@ -171,8 +171,8 @@ fn volume(mesh: &Mesh) -> (f64, f64) {
 mod tests {
     use assetpipe_geometry::hull::convex_hull;
 
-    use super::super::shapes;
     use super::*;
+    use crate::shapes;
 
     const CLOSE: Gap = Gap {
         relative: 0.005,

@@ -8,16 +8,7 @@ use glam::DVec3;
 use super::cover::{inner_polytopes, InnerSettings};
 use super::proof::is_inside;
 use crate::control::Control;
-
-fn cuboid(lo: DVec3, hi: DVec3) -> Mesh {
-    let corners: Vec<DVec3> = (0..8)
-        .map(|k| {
-            let pick = |axis: usize| if k >> axis & 1 == 0 { lo } else { hi };
-            DVec3::new(pick(0).x, pick(1).y, pick(2).z)
-        })
-        .collect();
-    convex_hull(&corners).unwrap()
-}
+use crate::shapes::{cuboid, reversed};
 
 /// Surfaces put together as they are: shells may overlap or be cavities.
 fn together(meshes: &[Mesh]) -> Mesh {
@@ -31,21 +22,14 @@ fn together(meshes: &[Mesh]) -> Mesh {
     all
 }
 
-fn inside_out(mesh: &Mesh) -> Mesh {
-    Mesh {
-        vertices: mesh.vertices.clone(),
-        triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
-    }
-}
-
 #[test]
 fn touching_from_inside_is_inside_and_a_last_digit_beyond_is_not() {
     let cube = cuboid(DVec3::ZERO, DVec3::ONE);
     let solid = SolidIndex::new(&cube);
     assert!(is_inside(&solid, &cube));
     let mut beyond = cube.clone();
-    let top = beyond.vertices.len() - 1;
-    assert_eq!(beyond.vertices[top], DVec3::ONE);
+    let top = beyond.vertices.iter().position(|&v| v == DVec3::ONE);
+    let top = top.unwrap();
     beyond.vertices[top].z += f64::EPSILON;
     let beyond = convex_hull(&beyond.vertices).unwrap();
     assert!(!is_inside(&solid, &beyond));
@@ -63,7 +47,7 @@ fn around_beside_and_across_are_not_inside() {
 #[test]
 fn a_cavity_in_the_middle_of_a_polytope_is_noticed() {
     let outer = cuboid(DVec3::ZERO, DVec3::ONE);
-    let cavity = inside_out(&cuboid(DVec3::splat(0.6), DVec3::splat(0.7)));
+    let cavity = reversed(&cuboid(DVec3::splat(0.6), DVec3::splat(0.7)));
     let solid = SolidIndex::new(&together(&[outer, cavity]));
     assert!(!is_inside(
         &solid,
@@ -91,7 +75,7 @@ fn a_triangle_across_an_edge_is_told_from_one_beside_it() {
             .normalize();
         let mut corners = triangle.clone();
         corners.push((triangle[0] + triangle[1] + triangle[2]) / 3.0 + normal * 1e-7);
-        let shell = inside_out(&convex_hull(&corners).unwrap());
+        let shell = reversed(&convex_hull(&corners).unwrap());
         let around = cuboid(DVec3::splat(-5.0), DVec3::splat(5.0));
         let solid = SolidIndex::new(&together(&[around, shell]));
         let mut meets = false;
@@ -130,7 +114,7 @@ fn every_point_of_every_polytope_is_in_the_solid() {
         let hole: Vec<DVec3> = (0..12)
             .map(|_| random.in_cube() * DVec3::new(0.2, 0.2, 0.2 * flat))
             .collect();
-        shells.push(inside_out(&convex_hull(&hole).unwrap()));
+        shells.push(reversed(&convex_hull(&hole).unwrap()));
         let mesh = together(&shells);
         let settings = InnerSettings {
             gap: 0.02,

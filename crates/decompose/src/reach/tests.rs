@@ -1,28 +1,8 @@
 use super::*;
 use crate::convex::check_closed;
 use crate::merge::volume;
+use crate::shapes::{cuboid, reversed};
 use glam::DVec3;
-
-/// A box as a closed mesh, outward or, as the wall of a void, inward.
-fn cuboid(low: DVec3, high: DVec3, outward: bool) -> Mesh {
-    let corners: Vec<DVec3> = (0..8u32)
-        .map(|i| {
-            let pick = |k: u32, a: f64, b: f64| if i >> k & 1 == 1 { b } else { a };
-            DVec3::new(
-                pick(0, low.x, high.x),
-                pick(1, low.y, high.y),
-                pick(2, low.z, high.z),
-            )
-        })
-        .collect();
-    let mut mesh = assetpipe_geometry::hull::convex_hull(&corners).unwrap();
-    if !outward {
-        for t in &mut mesh.triangles {
-            t.swap(1, 2);
-        }
-    }
-    mesh
-}
 
 fn together(parts: &[Mesh]) -> Mesh {
     let mut all = Mesh::default();
@@ -40,8 +20,8 @@ fn plates(gap: f64) -> Mesh {
     let half = DVec3::new(5.0, 5.0, 0.5);
     let middle = DVec3::Z * (0.5 + 0.5 * gap);
     together(&[
-        cuboid(middle - half, middle + half, true),
-        cuboid(-middle - half, -middle + half, true),
+        cuboid(middle - half, middle + half),
+        cuboid(-middle - half, -middle + half),
     ])
 }
 
@@ -97,8 +77,8 @@ fn a_gap_between_lattice_points_is_closed_too() {
 #[test]
 fn a_sealed_void_is_a_pocket_however_large() {
     let mesh = together(&[
-        cuboid(DVec3::splat(-4.0), DVec3::splat(4.0), true),
-        cuboid(DVec3::splat(-3.0), DVec3::splat(3.0), false),
+        cuboid(DVec3::splat(-4.0), DVec3::splat(4.0)),
+        reversed(&cuboid(DVec3::splat(-3.0), DVec3::splat(3.0))),
     ]);
     let found = search(&mesh, 1.0, 400_000, &Control::default()).unwrap();
     assert_eq!(found.count, 1);
@@ -109,14 +89,14 @@ fn a_sealed_void_is_a_pocket_however_large() {
 
 #[test]
 fn a_convex_solid_has_none() {
-    let mesh = cuboid(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0), true);
+    let mesh = cuboid(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0));
     let found = search(&mesh, 0.3, 100_000, &Control::default()).unwrap();
     assert_eq!(found.count, 0);
 }
 
 #[test]
 fn a_radius_that_needs_too_many_points_is_refused_with_one_that_does_not() {
-    let mesh = cuboid(DVec3::ZERO, DVec3::ONE, true);
+    let mesh = cuboid(DVec3::ZERO, DVec3::ONE);
     let found = unreachable(&mesh, 1e-4, 1, &Control::default());
     let Err(DecomposeError::Reach { least, .. }) = found else {
         panic!("not refused");
@@ -131,31 +111,11 @@ fn no_pocket_point_lies_within_a_ball_that_came_from_outside() {
     // A block with a blind square hole, 1 wide and 3 deep; balls of radius 0.6 dip into its mouth.
     let half = 0.5;
     let walls = [
-        cuboid(
-            DVec3::new(-3.0, -3.0, -2.0),
-            DVec3::new(-half, 3.0, 2.0),
-            true,
-        ),
-        cuboid(
-            DVec3::new(half, -3.0, -2.0),
-            DVec3::new(3.0, 3.0, 2.0),
-            true,
-        ),
-        cuboid(
-            DVec3::new(-half, -3.0, -2.0),
-            DVec3::new(half, -half, 2.0),
-            true,
-        ),
-        cuboid(
-            DVec3::new(-half, half, -2.0),
-            DVec3::new(half, 3.0, 2.0),
-            true,
-        ),
-        cuboid(
-            DVec3::new(-half, -half, -2.0),
-            DVec3::new(half, half, -1.0),
-            true,
-        ),
+        cuboid(DVec3::new(-3.0, -3.0, -2.0), DVec3::new(-half, 3.0, 2.0)),
+        cuboid(DVec3::new(half, -3.0, -2.0), DVec3::new(3.0, 3.0, 2.0)),
+        cuboid(DVec3::new(-half, -3.0, -2.0), DVec3::new(half, -half, 2.0)),
+        cuboid(DVec3::new(-half, half, -2.0), DVec3::new(half, 3.0, 2.0)),
+        cuboid(DVec3::new(-half, -half, -2.0), DVec3::new(half, half, -1.0)),
     ];
     let radius = 0.6;
     let found = search(&together(&walls), radius, 1_000_000, &Control::default()).unwrap();

@@ -3,8 +3,8 @@ use assetpipe_geometry::distance::{ConvexBody, SolidIndex, Triangle};
 use assetpipe_geometry::hull::convex_hull;
 use assetpipe_geometry::{DVec3, Mesh};
 
-use super::super::shapes;
 use super::*;
+use crate::shapes;
 
 const CLOSE: Gap = Gap {
     relative: 0.005,

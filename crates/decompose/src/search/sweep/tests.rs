@@ -3,50 +3,21 @@ use glam::DVec3;
 
 use super::{sweep, Basis, Forbidden, Scratch};
 use crate::search::piece::Piece;
-
-fn cuboid(lo: DVec3, hi: DVec3) -> Piece {
-    let points = (0..8)
-        .map(|i| {
-            DVec3::new(
-                if i & 1 == 0 { lo.x } else { hi.x },
-                if i & 2 == 0 { lo.y } else { hi.y },
-                if i & 4 == 0 { lo.z } else { hi.z },
-            )
-        })
-        .collect();
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
-        .collect();
-    Piece {
-        points,
-        triangles,
-        caps: Vec::new(),
-    }
-}
+use crate::shapes::{both, cuboid};
 
 /// An L: [0,2]×[0,1]×[0,1] and [0,1]×[0,1]×[1,2] as one chain of two boxes.
 fn two_boxes() -> Piece {
-    let mut a = cuboid(DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0));
-    let b = cuboid(DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 1.0, 2.0));
-    let shift = a.points.len() as u32;
-    a.points.extend(b.points);
-    a.triangles
-        .extend(b.triangles.iter().map(|t| t.map(|v| v + shift)));
-    a
+    let foot = cuboid(DVec3::ZERO, DVec3::new(2.0, 1.0, 1.0));
+    let tower = cuboid(DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 1.0, 2.0));
+    Piece::from(&both(&foot, &tower))
 }
 
 #[test]
 fn volumes_and_hulls_of_a_cuboid() {
-    let piece = cuboid(DVec3::new(-1.0, -0.5, -0.25), DVec3::new(1.0, 0.5, 0.25));
+    let piece = Piece::from(&cuboid(
+        DVec3::new(-1.0, -0.5, -0.25),
+        DVec3::new(1.0, 0.5, 0.25),
+    ));
     let edges: Vec<_> = piece.edges().collect();
     for axis in 0..3 {
         let basis = Basis::axis(axis);
