@@ -260,9 +260,7 @@ pub fn finish(
             &mut cover.witnesses,
         );
     }
-    if (judge.limits.cancelled)() {
-        return Err(DecomposeError::Cancelled);
-    }
+    judge.go_on()?;
     Ok(cover)
 }
 

@@ -53,9 +53,9 @@ impl Finish<'_> {
         group: &Proved,
         parts: &[Piece],
     ) -> Result<(Mesh, Proved, Option<Interval>), DecomposeError> {
-        self.go_on()?;
+        self.judge.go_on()?;
         let (mesh, proved) = self.hull(group, parts)?;
-        self.go_on()?;
+        self.judge.go_on()?;
         let (mesh, mut proved) = self.clear(mesh, proved, parts)?;
         let limits = Limits {
             cells: self.cells,
@@ -83,14 +83,6 @@ impl Finish<'_> {
             concavity.upper = epsilon.max(concavity.lower);
         }
         Ok((mesh, proved, Some(concavity)))
-    }
-
-    /// Unless it was asked to stop.
-    fn go_on(&self) -> Result<(), DecomposeError> {
-        if (self.judge.limits.cancelled)() {
-            return Err(DecomposeError::Cancelled);
-        }
-        Ok(())
     }
 
     /// The hull and its working copy, proved.

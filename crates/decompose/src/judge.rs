@@ -5,6 +5,7 @@ use assetpipe_geometry::Mesh;
 
 use crate::close::close;
 use crate::concavity::{thickening, wei, Decision, Gap, Interval, Limits};
+use crate::error::DecomposeError;
 use crate::search::piece::Piece;
 use crate::settings::Metric;
 
@@ -22,6 +23,17 @@ pub struct Judge<'a> {
 }
 
 impl Judge<'_> {
+    /// Go on unless the work was asked to stop.
+    ///
+    /// # Errors
+    /// [`DecomposeError::Cancelled`].
+    pub fn go_on(&self) -> Result<(), DecomposeError> {
+        if (self.limits.cancelled)() {
+            return Err(DecomposeError::Cancelled);
+        }
+        Ok(())
+    }
+
     /// `Within` holds the thickening towards the whole solid, which is never
     /// above the concavity towards the part.
     pub fn decide(&self, hull: &Mesh, pieces: &[&Piece]) -> Decision {

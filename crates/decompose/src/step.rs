@@ -54,9 +54,7 @@ pub fn step(
     (part, lineage): Open,
     settings: &SearchSettings,
 ) -> Result<Step, DecomposeError> {
-    if (judge.limits.cancelled)() {
-        return Err(DecomposeError::Cancelled);
-    }
+    judge.go_on()?;
     let witness = match judge.decide(&part.hull, &[&part.piece]) {
         Decision::Within(thickening) => {
             return Ok(Step::Done {
