@@ -28,16 +28,29 @@ impl Tips {
         Tips([middle, a, b, c, d, e, f])
     }
 
-    /// Points of the hull of both, between like ends.
+    /// Points of the hull of both, between like ends; those between the middles first.
     fn between<'a>(&'a self, other: &'a Tips) -> impl Iterator<Item = DVec3> + 'a {
         let ways = self.0.iter().zip(&other.0);
         ways.flat_map(|(p, q)| SHARES.map(|share| p.lerp(*q, share)))
     }
 
-    /// A lower bound of the thickening of the hull of both, up to the solid's slack.
-    pub fn thickening(&self, other: &Tips, solid: &SolidIndex) -> f64 {
-        self.between(other)
-            .fold(0.0, |most, p| solid.distance(p).max(most))
+    /// A lower bound of the thickening of the hull of both, up to the solid's slack; found at one
+    /// point.
+    pub fn glance(&self, other: &Tips, solid: &SolidIndex) -> f64 {
+        solid.distance(self.0[0].lerp(other.0[0], SHARES[1]))
+    }
+
+    /// The largest of `known` and of the distances at all points between both: a lower bound of
+    /// the thickening of the hull of both, up to the solid's slack, if `known` is one.
+    pub fn thickening(&self, other: &Tips, solid: &SolidIndex, known: f64) -> f64 {
+        // What is seen to be no farther need not be measured; the last digits are left to that.
+        let below = |most: f64| most * (1.0 - 1e-12);
+        self.between(other).fold(known, |most, p| {
+            if most > 0.0 && solid.bvh().any_within(p, below(most)) {
+                return most;
+            }
+            solid.distance(p).max(most)
+        })
     }
 
     /// Whether the hull of both is known to hold a point farther than `epsilon` from the solid:

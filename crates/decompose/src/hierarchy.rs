@@ -40,8 +40,63 @@ const LOOK_AHEAD: usize = 8;
 
 /// The bits of an estimate, and the pair that it is of.
 type Turn = (u64, u32, u32);
-/// Least first.
-type Waiting = Reverse<Turn>;
+
+/// Pairs by their estimates. Most pairs never have their turn, so they wait with a first glance,
+/// which is never above the estimate, and are estimated when they would be next.
+struct Queue<'a> {
+    solid: &'a SolidIndex,
+    waiting: BinaryHeap<Reverse<(Turn, Look)>>,
+}
+
+/// What the number of a pair in the queue is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Look {
+    Glance,
+    Estimate,
+}
+
+impl Queue<'_> {
+    /// Add pairs of nodes.
+    fn add(
+        &mut self,
+        nodes: &[Node],
+        tips: &[Tips],
+        pairs: impl ParallelIterator<Item = [usize; 2]>,
+    ) {
+        let solid = self.solid;
+        let lower = |k: usize| nodes[k].proved.thickening.lower;
+        self.waiting.par_extend(pairs.map(|[i, j]| {
+            let glance = tips[i].glance(&tips[j], solid);
+            let known = lower(i).max(lower(j)).max(glance);
+            Reverse(((known.to_bits(), i as u32, j as u32), Look::Glance))
+        }));
+    }
+
+    /// The pair of nodes that stand whose turn is next.
+    fn next(&mut self, tips: &[Tips], open: &[bool]) -> Option<Turn> {
+        while let Some(Reverse((turn, look))) = self.waiting.pop() {
+            let (bits, i, j) = turn;
+            if !open[i as usize] || !open[j as usize] {
+                continue;
+            }
+            if look == Look::Estimate {
+                return Some(turn);
+            }
+            let (a, b) = (&tips[i as usize], &tips[j as usize]);
+            let estimate = a.thickening(b, self.solid, f64::from_bits(bits));
+            self.again([(estimate.to_bits(), i, j)]);
+        }
+        None
+    }
+
+    /// Let pairs that were taken wait again.
+    fn again(&mut self, turns: impl IntoIterator<Item = Turn>) {
+        let waiting = turns
+            .into_iter()
+            .map(|turn| Reverse((turn, Look::Estimate)));
+        self.waiting.extend(waiting);
+    }
+}
 
 /// A node: a leaf, or the hull of two earlier nodes.
 #[derive(Clone, Debug)]
@@ -73,31 +128,29 @@ pub fn build(
             children: None,
         })
         .collect();
-    let solid = finish.judge.solid;
     let mut tips: Vec<Tips> = nodes.par_iter().map(|n| Tips::of(&n.proved.hull)).collect();
     let mut open: Vec<bool> = vec![true; nodes.len()];
-    let mut queue: BinaryHeap<Waiting> = (0..nodes.len())
-        .into_par_iter()
-        .flat_map_iter(|j| (0..j).map(move |i| (i, j)))
-        .map(|(i, j)| estimate(solid, &nodes, &tips, i, j))
-        .collect::<Vec<_>>()
-        .into();
+    let mut queue = Queue {
+        solid: finish.judge.solid,
+        waiting: BinaryHeap::new(),
+    };
+    let pairs = (0..nodes.len()).into_par_iter();
+    queue.add(
+        &nodes,
+        &tips,
+        pairs.flat_map_iter(|j| (0..j).map(move |i| [i, j])),
+    );
     // Joined ahead of their turn.
     let mut ready: BTreeMap<(u32, u32), Node> = BTreeMap::new();
-    while let Some(Reverse(turn)) = queue.pop() {
-        if (finish.judge.limits.cancelled)() {
-            return Err(DecomposeError::Cancelled);
-        }
+    while let Some(turn) = queue.next(&tips, &open) {
+        finish.judge.go_on()?;
         let (_, i, j) = turn;
         let known = ready.remove(&(i, j));
-        if !open[i as usize] || !open[j as usize] {
-            continue;
-        }
         let node = if let Some(node) = known {
             node
         } else {
             let mut turns = vec![turn];
-            turns.extend(likely(&mut queue, turn, &open));
+            turns.extend(likely(&mut queue, turn, &tips, &open));
             let mut made = turns
                 .par_iter()
                 .map(|&(bits, i, j)| join(finish, &nodes, [i, j], f64::from_bits(bits)))
@@ -113,10 +166,10 @@ pub fn build(
         tips.push(Tips::of(&node.proved.hull));
         nodes.push(node);
         let others: Vec<usize> = (0..new).filter(|&k| open[k]).collect();
-        queue.par_extend(
-            others
-                .into_par_iter()
-                .map(|other| estimate(solid, &nodes, &tips, other, new)),
+        queue.add(
+            &nodes,
+            &tips,
+            others.into_par_iter().map(|other| [other, new]),
         );
         open.push(true);
     }
@@ -125,32 +178,25 @@ pub fn build(
 
 /// Pairs that will most likely have their turn soon, whatever becomes of the one whose turn it is:
 /// as many as there are other threads.
-fn likely(queue: &mut BinaryHeap<Waiting>, turn: Turn, open: &[bool]) -> Vec<Turn> {
+fn likely(queue: &mut Queue<'_>, turn: Turn, tips: &[Tips], open: &[bool]) -> Vec<Turn> {
     let count = rayon::current_num_threads() - 1;
     let mut seen = Vec::new();
     let mut found: Vec<Turn> = Vec::new();
     while found.len() < count && seen.len() < LOOK_AHEAD * count {
-        let Some(next) = queue.pop() else { break };
-        let Reverse((_, i, j)) = next;
+        let Some(next) = queue.next(tips, open) else {
+            break;
+        };
         let taken = |k: u32| {
             let of = |t: &Turn| t.1 == k || t.2 == k;
-            !open[k as usize] || of(&turn) || found.iter().any(of)
+            of(&turn) || found.iter().any(of)
         };
-        if !taken(i) && !taken(j) {
-            found.push(next.0);
+        if !taken(next.1) && !taken(next.2) {
+            found.push(next);
         }
         seen.push(next);
     }
-    queue.extend(seen);
+    queue.again(seen);
     found
-}
-
-/// A pair with an estimate from a few points between the two hulls.
-fn estimate(solid: &SolidIndex, nodes: &[Node], tips: &[Tips], i: usize, j: usize) -> Waiting {
-    let lower = |k: usize| nodes[k].proved.thickening.lower;
-    let reach = tips[i].thickening(&tips[j], solid);
-    let estimate = lower(i).max(lower(j)).max(reach);
-    Reverse((estimate.to_bits(), i as u32, j as u32))
 }
 
 /// The joined hull with its bound.
