@@ -79,6 +79,7 @@ fn collapse(hull: &Mesh, max_vertices: usize, reach: f64) -> Result<Mesh, HullEr
         within: Within::of(hull, reach),
         size,
         lift: 16.0 * rounding.crossing(),
+        spare: SPARE * (size + low.abs().max(high.abs()).max_element()),
         // Every collapse adds one point and removes at least two.
         changes: vec![0; 2 * hull.vertices.len()],
         queue: BinaryHeap::new(),
@@ -139,6 +140,9 @@ impl Within {
     }
 }
 
+/// As a share of sizes and coordinates.
+const SPARE: f64 = 1e-9;
+
 /// What collapses cost.
 struct Pricing {
     within: Within,
@@ -146,6 +150,8 @@ struct Pricing {
     size: f64,
     /// How far beyond the faces a new point must lie for the signs to be certain.
     lift: f64,
+    /// More than rounding makes of a height or a distance.
+    spare: f64,
     /// How often the faces around each vertex have changed.
     changes: Vec<u32>,
     queue: BinaryHeap<Candidate>,
@@ -154,6 +160,22 @@ struct Pricing {
 impl Pricing {
     fn age(&self, a: u32, b: u32) -> u32 {
         self.changes[a as usize] + self.changes[b as usize]
+    }
+
+    /// Squared distance to the nearest of some faces; any number above `most2` if that is
+    /// farther.
+    fn nearest2(&self, faces: &[[DVec3; 3]], point: DVec3, most2: f64) -> f64 {
+        let mut best = f64::INFINITY;
+        for &corners in faces {
+            let face = Triangle::new(corners);
+            // A face is no nearer than its plane. The point touches three of the planes or more,
+            // and is far from most others.
+            let height = (face.height(point) - self.spare).max(0.0);
+            if height * height <= best.min(most2) {
+                best = best.min(face.distance2(point));
+            }
+        }
+        best
     }
 
     /// Prices the collapse of an edge.
@@ -178,11 +200,8 @@ impl Pricing {
             return;
         };
         let point = base + point;
-        let distance2 = faces
-            .iter()
-            .map(|corners| Triangle::new(*corners).distance2(point))
-            .fold(f64::INFINITY, f64::min);
         let farthest = self.size.min(self.within.reach);
+        let distance2 = self.nearest2(&faces, point, farthest * farthest);
         if distance2 <= farthest * farthest {
             let age = self.age(a, b);
             self.queue.push(Candidate {
