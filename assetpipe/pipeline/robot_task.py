@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ def answer(request: Mapping[str, Any], reporter: Reporter) -> bytes:
             if check == "self_collision":
                 _self_collision(robot, bodies, request, validation, findings)
             elif check == "engine":
-                _engine(bodies, request, validation, findings)
+                _engine(robot, bodies, request, validation, findings)
         except AssetpipeError as error:
             findings.append(
                 Finding("AP411", Severity.WARNING, f"{check} could not be checked: {error.message}")
@@ -85,6 +86,7 @@ def _self_collision(
 
 
 def _engine(
+    robot: Robot,
     bodies: Bodies,
     request: Mapping[str, Any],
     validation: dict[str, Any],
@@ -99,12 +101,30 @@ def _engine(
         # Of a mesh that was kept it is not for us to say how many shapes an engine sees.
         {link.name: len(link.collisions) for link in again.links if link.name in bodies.ours},
         hulls=bodies.convex,
-        resolved={
-            reference.uri: reference.resolution.path
-            for reference in again.references
-            if reference.resolution.path is not None
-        },
+        resolved=_resolved(again),
         seed=request["seed"],
     )
     validation["engine"] = result.as_dict()
-    findings += result.findings()
+    told = result.findings()
+    if result.outcome == "refused" and _refuses(robot):
+        why = f"{result.engine} loads neither the original nor the result: {result.message}"
+        told = tuple(replace(finding, severity=Severity.WARNING, message=why) for finding in told)
+    findings += told
+
+
+def _refuses(robot: Robot) -> bool:
+    """Whether the engine does not load the original either; not known of a xacro."""
+    from assetpipe.validation import load_in_engine
+
+    if robot.path.read_bytes() != robot.source:
+        return False
+    return load_in_engine(robot.path, {}, resolved=_resolved(robot)).outcome == "refused"
+
+
+def _resolved(robot: Robot) -> dict[str, Path]:
+    """The file of every reference that was found."""
+    return {
+        reference.uri: reference.resolution.path
+        for reference in robot.references
+        if reference.resolution.path is not None
+    }

@@ -339,3 +339,17 @@ def test_report_shows_a_stored_one_again(workshop: Workshop, tmp_path: Path) -> 
     assert done.returncode == 0
     assert "bracket.stl" in done.stdout
     assert (tmp_path / "again.sarif").exists()
+
+
+def test_an_original_that_the_engine_does_not_load_is_not_the_builds_fault(
+    cli: Cli, package: Path
+) -> None:
+    text = package.read_text().replace(
+        '<link name="tip">', '<link name="tip"><inertial><origin xyz="0 0 0"/></inertial>'
+    )
+    package.write_text(text)
+    cli("build", package, "-o", "out", "--json", "told.json")
+    told = json.loads((package.parents[2] / "told.json").read_text())["findings"]
+    refused = [finding for finding in told if finding["code"] == "AP406"]
+    assert [finding["severity"] for finding in refused] == ["warning"]
+    assert "neither the original nor the result" in refused[0]["message"]
