@@ -14,6 +14,7 @@ use assetpipe_geometry::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::ahead::ahead;
 use crate::between::Tips;
 use crate::concavity::thickening::bounds_above;
 use crate::concavity::{Gap, Interval, Limits};
@@ -153,6 +154,7 @@ pub fn build(
             turns.extend(likely(&mut queue, turn, &tips, &open));
             let mut made = turns
                 .par_iter()
+                .with_max_len(1)
                 .map(|&(bits, i, j)| join(finish, &nodes, [i, j], f64::from_bits(bits)))
                 .collect::<Result<Vec<_>, _>>()?
                 .into_iter();
@@ -162,6 +164,7 @@ pub fn build(
         };
         open[i as usize] = false;
         open[j as usize] = false;
+        ready.retain(|&(i, j), _| open[i as usize] && open[j as usize]);
         let new = nodes.len();
         tips.push(Tips::of(&node.proved.hull));
         nodes.push(node);
@@ -176,10 +179,9 @@ pub fn build(
     Ok(nodes)
 }
 
-/// Pairs that will most likely have their turn soon, whatever becomes of the one whose turn it is:
-/// as many as there are other threads.
+/// Pairs that will most likely have their turn soon, whatever becomes of the one whose turn it is.
 fn likely(queue: &mut Queue<'_>, turn: Turn, tips: &[Tips], open: &[bool]) -> Vec<Turn> {
-    let count = rayon::current_num_threads() - 1;
+    let count = ahead();
     let mut seen = Vec::new();
     let mut found: Vec<Turn> = Vec::new();
     while found.len() < count && seen.len() < LOOK_AHEAD * count {

@@ -1,6 +1,7 @@
 //! Collision-aware approximate convex decomposition of solids.
 
 pub mod adopt;
+mod ahead;
 pub mod between;
 pub mod budget;
 pub mod buried;

@@ -8,6 +8,7 @@ use assetpipe_geometry::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::ahead::ahead;
 use crate::between::Tips;
 use crate::concavity::{Decision, Interval};
 use crate::judge::Judge;
@@ -142,12 +143,13 @@ impl Merging<'_> {
             .collect();
         self.put(priced);
         loop {
-            let mut next = self.take(rayon::current_num_threads());
+            let mut next = self.take(1 + ahead());
             if next.is_empty() || (self.judge.limits.cancelled)() {
                 return;
             }
             let this = &*self;
             next.par_iter_mut()
+                .with_max_len(1)
                 .filter(|c| c.decision.is_none())
                 .for_each(|c| c.decision = this.decide(c));
             self.settle(next);
@@ -201,10 +203,12 @@ impl Merging<'_> {
         }
     }
 
-    /// The next `count` candidates whose slots both stand.
+    /// The next candidates whose slots both stand: `count` that are not decided yet, or up to one
+    /// that may be merged.
     fn take(&mut self, count: usize) -> Vec<Candidate> {
         let mut next = Vec::new();
-        while next.len() < count {
+        let mut undecided = 0;
+        while undecided < count {
             let Some(Reverse(turn)) = self.queue.pop() else {
                 break;
             };
@@ -217,11 +221,16 @@ impl Merging<'_> {
             let Some((hull, decision)) = known.or_else(|| Some((joined(a, b)?, None))) else {
                 continue;
             };
+            undecided += usize::from(decision.is_none());
+            let merges = matches!(decision, Some(Decision::Within(_)));
             next.push(Candidate {
                 turn,
                 hull,
                 decision,
             });
+            if merges {
+                break;
+            }
         }
         next
     }
