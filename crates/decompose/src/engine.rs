@@ -85,13 +85,14 @@ pub fn roots(
                 vertices: piece.points.clone(),
                 triangles: piece.triangles.clone(),
             };
-            let levels = proxy::ladder(&closed, &settings.ladder, control)?;
-            let levels = levels.iter().map(Piece::from).collect();
-            let notches = if settings.oblique > 0 {
-                notch::find(&closed)
-            } else {
-                Vec::new()
-            };
+            let (levels, notches) = rayon::join(
+                || proxy::ladder(&closed, &settings.ladder, control),
+                || match settings.oblique {
+                    0 => Vec::new(),
+                    _ => notch::find(&closed),
+                },
+            );
+            let levels = levels?.iter().map(Piece::from).collect();
             connected_parts(piece, levels, &notches).map_err(internal)
         })
         .collect::<Result<Vec<_>, _>>()?;

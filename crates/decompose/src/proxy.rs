@@ -10,6 +10,7 @@ use std::collections::BinaryHeap;
 
 use assetpipe_geometry::Mesh;
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use crate::cluster::clustered_to;
 use crate::control::Control;
@@ -131,16 +132,15 @@ impl Collapse {
             around,
             stamp: vec![0; n],
             count: mesh.triangles.len(),
-            queue: BinaryHeap::with_capacity(3 * mesh.triangles.len()),
+            queue: BinaryHeap::new(),
         };
-        for t in &mesh.triangles {
-            for i in 0..3 {
-                let (u, v) = (t[i], t[(i + 1) % 3]);
-                if u < v {
-                    state.offer(u, v);
-                }
-            }
-        }
+        let edges = mesh.triangles.par_iter().flat_map_iter(|t| {
+            let edges = [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+            edges.into_iter().filter(|(u, v)| u < v)
+        });
+        let mut waiting: Vec<Waiting> = Vec::with_capacity(3 * mesh.triangles.len());
+        waiting.par_extend(edges.map(|(u, v)| state.priced(u, v)));
+        state.queue = waiting.into();
         state
     }
 
@@ -161,15 +161,10 @@ impl Collapse {
         (choice.0, choice.1.max(0.0))
     }
 
-    fn offer(&mut self, u: u32, v: u32) {
+    fn priced(&self, u: u32, v: u32) -> Waiting {
         let (_, cost) = self.target(u, v);
-        self.queue.push(Reverse((
-            cost.to_bits(),
-            u,
-            v,
-            self.stamp[u as usize],
-            self.stamp[v as usize],
-        )));
+        let stamp = |w: u32| self.stamp[w as usize];
+        Reverse((cost.to_bits(), u, v, stamp(u), stamp(v)))
     }
 
     /// Whether moving `u` to `p` would turn over a triangle that stays.
@@ -239,7 +234,8 @@ impl Collapse {
         ring.sort_unstable();
         ring.dedup();
         for w in ring {
-            self.offer(u.min(w), u.max(w));
+            let priced = self.priced(u.min(w), u.max(w));
+            self.queue.push(priced);
         }
     }
 
