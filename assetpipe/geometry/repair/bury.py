@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from time import process_time
 
-import numpy as np
-
 from assetpipe.geometry.repair.deviation import RESOLUTION, farthest_each
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, put_together
-from assetpipe.geometry.repair.work import Job, Work, stacked
+from assetpipe.geometry.repair.work import Job, Work, stacked, triangles_of
 
 
 def buried(work: Work, job: Job) -> Work:
@@ -21,8 +19,7 @@ def buried(work: Work, job: Job) -> Work:
     solid = Surface(*put_together(list(outward(work.shells))))
     apart = farthest_each(
         solid,
-        stacked(*(patch.corners for patch in work.patches)),
-        np.repeat(np.arange(len(work.patches)), [len(patch.faces) for patch in work.patches]),
+        *triangles_of(work.patches),
         len(work.patches),
         side="solid",
         resolution=RESOLUTION,

@@ -9,6 +9,7 @@ import numpy as np
 
 from assetpipe.geometry.mesh import FloatArray
 from assetpipe.geometry.products import length
+from assetpipe.geometry.repair.rows import as_rows
 
 
 def doublings(number: float) -> int:
@@ -59,13 +60,10 @@ class Frame:
         Returns:
             Points in metres, and how many are new.
         """
-        inner = np.ascontiguousarray(self.inward(originals) + 0.0)
-        queried = np.ascontiguousarray(points + 0.0)
-        rows = np.dtype((np.void, 24))
-        known, first = np.unique(inner.view(rows).ravel(), return_index=True)
-        at = np.searchsorted(known, queried.view(rows).ravel())
-        at = np.minimum(at, len(known) - 1)
-        same = known[at] == queried.view(rows).ravel()
+        known, first = np.unique(as_rows(self.inward(originals)), return_index=True)
+        queried = as_rows(points)
+        at = np.minimum(np.searchsorted(known, queried), len(known) - 1)
+        same = known[at] == queried
         result = self.outward(points)
         result[same] = originals[first[at[same]]]
         return result, int((~same).sum())

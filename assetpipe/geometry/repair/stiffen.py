@@ -17,7 +17,7 @@ from assetpipe.geometry.repair.holes import cap, openings
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.sheets import manifold_pieces, thicken
 from assetpipe.geometry.repair.unite import shells_of, signed_volume
-from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
+from assetpipe.geometry.repair.work import Job, Patch, Work, stacked, triangles_of
 
 
 def thickened(work: Work, job: Job) -> Work:
@@ -76,8 +76,7 @@ def _apart(work: Work, job: Job) -> FloatArray:
         return np.zeros(len(patches))
     return farthest_each(
         job.surface,
-        stacked(*(patch.corners for patch in patches)),
-        np.repeat(np.arange(len(patches)), [len(patch.faces) for patch in patches]),
+        *triangles_of(patches),
         len(patches),
         side="surface",
         resolution=RESOLUTION,

@@ -16,6 +16,7 @@ from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
+from assetpipe.geometry.repair.rows import as_rows
 from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
 
 _BELOW = 1e-4
@@ -295,9 +296,7 @@ def different(
     vertices: FloatArray, faces: IntArray, others: FloatArray, other_faces: IntArray
 ) -> tuple[IntArray, IntArray]:
     """Indices of faces that the other surface has not, corner for corner, and the reverse."""
-    rows = np.dtype((np.void, 24))
-    everything = np.ascontiguousarray(np.concatenate([vertices, others]) + 0.0)
-    _, names = np.unique(everything.view(rows).ravel(), return_inverse=True)
+    _, names = np.unique(as_rows(np.concatenate([vertices, others])), return_inverse=True)
     mine, theirs = names[: len(vertices)][faces], names[len(vertices) :][other_faces]
     keys = np.sort(np.concatenate([mine, theirs]), axis=1)
     number = np.int64(names.max() + 1)

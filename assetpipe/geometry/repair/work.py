@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -103,6 +104,12 @@ class Work:
     def after(self, *steps: Step, findings: tuple[Finding, ...] = (), **changes: Any) -> Work:
         """The next state: fields replaced, steps and findings appended."""
         return replace(self, steps=self.steps + steps, findings=self.findings + findings, **changes)
+
+
+def triangles_of(patches: Sequence[Patch]) -> tuple[Corners, IntArray]:
+    """Triangles of all patches, and the index of the patch of each."""
+    sizes = [len(patch.faces) for patch in patches]
+    return stacked(*(patch.corners for patch in patches)), np.repeat(np.arange(len(sizes)), sizes)
 
 
 def stacked(*parts: Corners) -> Corners:

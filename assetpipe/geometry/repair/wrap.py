@@ -14,10 +14,11 @@ from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, farthest_e
 from assetpipe.geometry.repair.divide import connected
 from assetpipe.geometry.repair.fill import MINOR
 from assetpipe.geometry.repair.result import Rung, Step
+from assetpipe.geometry.repair.rows import as_rows
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, shells_of, signed_volume
 from assetpipe.geometry.repair.winding import solid_of_soup
-from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
+from assetpipe.geometry.repair.work import Job, Patch, Work, stacked, triangles_of
 
 CELL = 5e-3
 """Edge of the grid's cells, in units."""
@@ -47,15 +48,9 @@ def wrapped(work: Work, job: Job) -> Work:
         number += len(patches)
     if not number:
         return work
-    step = Step(
-        Rung.WINDING,
-        f"made {number} open pieces a solid by winding number",
-        moved=moved * job.frame.scale,
-        volume_change=None,
-        seconds=process_time() - clock,
-    )
+    what = f"made {number} open pieces a solid by winding number"
     return work.after(
-        step,
+        _step(what, moved, clock, job),
         shells=tuple(shells),
         patches=tuple(kept),
         lost=stacked(*lost),
@@ -99,15 +94,9 @@ def enclosed(before: Work, after: Work, job: Job) -> Work | None:
         moved = max(moved, found.apart)
     if not done:
         return None
-    step = Step(
-        Rung.WINDING,
-        f"made {len(done)} open pieces the solid that they enclose, by winding number",
-        moved=moved * job.frame.scale,
-        volume_change=None,
-        seconds=process_time() - clock,
-    )
+    what = f"made {len(done)} open pieces the solid that they enclose, by winding number"
     return before.after(
-        step,
+        _step(what, moved, clock, job),
         faces=before.faces[~np.isin(label, done)],
         shells=tuple(shells),
         lost=stacked(*lost),
@@ -115,11 +104,20 @@ def enclosed(before: Work, after: Work, job: Job) -> Work | None:
     )
 
 
+def _step(what: str, moved: float, clock: float, job: Job) -> Step:
+    """What was done since ``clock``; ``moved`` in units."""
+    return Step(
+        Rung.WINDING,
+        what,
+        moved=moved * job.frame.scale,
+        volume_change=None,
+        seconds=process_time() - clock,
+    )
+
+
 def _share_any(points: FloatArray, others: FloatArray) -> bool:
     """Whether some point is among others, bit for bit."""
-    rows = np.dtype((np.void, 24))
-    a, b = (np.ascontiguousarray(p + 0.0).view(rows).ravel() for p in (points, others))
-    return bool(np.isin(a, b).any())
+    return bool(np.isin(as_rows(points), as_rows(others)).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +170,7 @@ def _wrap(patches: list[Patch], job: Job, minor: Literal["kept", "closed"]) -> W
         return None
     out = farthest_each(
         Surface(*fine),
-        stacked(*(patch.corners for patch in patches)),
-        np.repeat(np.arange(len(patches)), [len(patch.faces) for patch in patches]),
+        *triangles_of(patches),
         len(patches),
         side="solid",
         resolution=RESOLUTION,
