@@ -1,6 +1,5 @@
 """Small files that promise, nest or multiply without end: a typed, located error, and soon."""
 
-import base64
 import json
 import resource
 import struct
@@ -9,6 +8,7 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+import gltf_triangle
 import pytest
 
 from assetpipe.errors import AssetpipeError
@@ -21,25 +21,7 @@ HUGE = 10**15
 
 
 def gltf(**change: Any) -> str:
-    data = base64.b64encode(struct.pack("<9f3H", *range(9), 0, 1, 2)).decode()
-    tree: dict[str, Any] = {
-        "asset": {"version": "2.0"},
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteLength": 36},
-            {"buffer": 0, "byteOffset": 36, "byteLength": 6},
-        ],
-        "buffers": [
-            {"byteLength": 42, "uri": f"data:application/octet-stream;base64,{data}"},
-        ],
-    }
-    return json.dumps(tree | change)
+    return json.dumps(gltf_triangle.gltf(**change))
 
 
 def accessor(**change: Any) -> str:

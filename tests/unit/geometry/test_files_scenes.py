@@ -1,6 +1,5 @@
 """DAE, GLB and glTF: units, axes, transforms, and files that mean harm."""
 
-import base64
 import io
 import json
 import struct
@@ -11,6 +10,7 @@ import collada
 import numpy as np
 import pytest
 import trimesh
+from gltf_triangle import POINTS, gltf
 
 from assetpipe.errors import InputError, LimitError
 from assetpipe.geometry import FileLimits, Mesh, read_mesh
@@ -243,35 +243,6 @@ def test_truncated_dae(tmp_path: Path) -> None:
         load(tmp_path, dae()[:-200])
     assert caught.value.location is not None
     assert caught.value.location.line is not None
-
-
-POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]], dtype="<f4")
-
-
-def gltf(**change: Any) -> dict[str, Any]:
-    data = POINTS.tobytes() + np.arange(3, dtype="<u2").tobytes()
-    tree: dict[str, Any] = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": 0, "byteLength": 36},
-            {"buffer": 0, "byteOffset": 36, "byteLength": 6},
-        ],
-        "buffers": [
-            {
-                "byteLength": len(data),
-                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
-            }
-        ],
-    }
-    return tree | change
 
 
 def test_gltf_is_turned_to_z_up(tmp_path: Path) -> None:
