@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use crate::control::Control;
 use crate::engine::{finish, run, Cover};
 use crate::error::DecomposeError;
+use crate::even;
 use crate::judge::Judge;
 use crate::merge::volume;
 use crate::settings::SearchSettings;
@@ -123,7 +124,10 @@ impl<'a> Explorer<'a> {
 /// # Errors
 /// If there is none.
 pub fn fewest(covers: Vec<Cover>) -> Result<Cover, DecomposeError> {
-    let size = |cover: &Cover| cover.hulls.iter().map(|h| volume(&h.hull)).sum::<f64>();
+    let size = |cover: &Cover| {
+        let volumes = cover.hulls.iter().map(|h| volume(&h.hull));
+        even::weight(volumes.sum::<f64>())
+    };
     covers
         .into_iter()
         .map(|cover| (cover.hulls.len(), size(&cover), cover))

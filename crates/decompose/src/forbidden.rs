@@ -10,6 +10,10 @@ use rayon::prelude::*;
 use crate::merge::half_spaces;
 use crate::search::sweep::Forbidden;
 
+/// What is equal but for so much is equal: samples on faces of the hull are inside, distances of
+/// the tolerance are beyond it.
+const EVEN: f64 = 1e-6;
+
 /// Samples on a grid of about `count` cells over the hull's bounding box.
 pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Vec<Forbidden> {
     let Some(&first) = hull.vertices.first() else {
@@ -24,15 +28,18 @@ pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Ve
         .fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
     let size = hi - lo;
     let cell = libm::cbrt(size.x * size.y * size.z / count as f64).max(size.max_element() * 1e-3);
-    let number = (size / cell).ceil().max(DVec3::ONE);
+    let number = (size / cell - EVEN).ceil().max(DVec3::ONE);
     let grid = Grid {
         solid,
-        epsilon,
+        epsilon: epsilon * (1.0 - EVEN),
         lo,
         hi,
         number,
         step: size / number,
-        planes: half_spaces(hull),
+        planes: half_spaces(hull)
+            .into_iter()
+            .map(|(n, offset)| (n, offset + EVEN * n.length()))
+            .collect(),
     };
     let layers: Vec<Vec<Forbidden>> = (0..number.x as usize)
         .into_par_iter()

@@ -15,6 +15,7 @@ pub mod convex;
 pub mod decomposition;
 pub mod engine;
 pub mod error;
+pub mod even;
 pub mod explore;
 pub mod finish;
 pub mod forbidden;

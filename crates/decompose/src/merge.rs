@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::ahead::ahead;
 use crate::between::Tips;
 use crate::concavity::{Decision, Interval};
+use crate::even;
 use crate::judge::Judge;
 use crate::search::piece::Piece;
 use crate::settings::{MergeOrder, Metric};
@@ -184,7 +185,7 @@ impl Merging<'_> {
             MergeOrder::Smallest => added + a.volume.min(b.volume),
         };
         Some(Candidate {
-            turn: (key.to_bits(), i, j),
+            turn: (even::weight(even::length(key)).to_bits(), i, j),
             hull,
             decision: None,
         })

@@ -15,12 +15,16 @@ use rayon::prelude::*;
 use crate::cluster::clustered_to;
 use crate::control::Control;
 use crate::error::DecomposeError;
+use crate::even;
 
 /// Collapses between two looks at whether to go on: about a millisecond.
 const PATIENCE: u32 = 256;
 /// Meshes of more triangles than so many times the finest stand-in's are clustered first: edge
 /// collapse goes through memory in no order, so its cost grows faster than its work.
 const LARGE: usize = 16;
+
+/// Costs that are equal but for so much are equal.
+const EVEN: f64 = 1e-6;
 
 /// A symmetric quadric: x·A·x − 2·b·x + c.
 #[derive(Clone, Copy, Default)]
@@ -118,14 +122,14 @@ impl Collapse {
         let mut around = vec![Vec::new(); n];
         let mut quadrics = vec![Quadric::default(); n];
         for (t, corners) in mesh.triangles.iter().enumerate() {
-            let quadric = Quadric::triangle(mesh.corners(t));
+            let quadric = Quadric::triangle(mesh.corners(t).map(even::point));
             for &v in corners {
                 around[v as usize].push(t as u32);
                 quadrics[v as usize].add(&quadric);
             }
         }
         let mut state = Collapse {
-            points: mesh.vertices.clone(),
+            points: mesh.vertices.iter().map(|&p| even::point(p)).collect(),
             quadrics,
             triangles: mesh.triangles.clone(),
             alive: vec![true; mesh.triangles.len()],
@@ -154,11 +158,11 @@ impl Collapse {
         let mut choice = (middle, q.at(middle));
         for p in [Some(a), Some(b), best].into_iter().flatten() {
             let cost = q.at(p);
-            if cost < choice.1 {
+            if cost < choice.1 * (1.0 - EVEN) {
                 choice = (p, cost);
             }
         }
-        (choice.0, choice.1.max(0.0))
+        (even::point(choice.0), even::weight(choice.1.max(0.0)))
     }
 
     fn priced(&self, u: u32, v: u32) -> Waiting {

@@ -9,6 +9,7 @@ use crate::buried;
 use crate::candidates::{flat_faces, notch, sector};
 use crate::concavity::{Decision, Interval};
 use crate::error::DecomposeError;
+use crate::even;
 use crate::forbidden;
 use crate::judge::Judge;
 use crate::merge::volume;
@@ -134,7 +135,13 @@ fn cut(
                 let extent = extent(&part.hull.vertices, basis.w);
                 sector::plane(&part.piece, basis, extent, &samples, epsilon)
             })
-            .reduce(|a, b| if b.1 > a.1 { b } else { a });
+            .reduce(|a, b| {
+                if even::weight(b.1) > even::weight(a.1) {
+                    b
+                } else {
+                    a
+                }
+            });
         if let Some((plane, _)) = best {
             return (plane, lineage.after(plane.normal, true));
         }
@@ -197,9 +204,25 @@ fn cut(
     let progress = progress(&whole, &choice, settings.excess);
     let plane = Plane {
         normal: w,
-        offset: choice.offset,
+        offset: on_vertices(&part.piece, w, choice.offset),
     };
     (plane, lineage.after(w, progress))
+}
+
+/// The height of a cut, through the vertices that are beside it by rounding only: those of a lattice,
+/// say, that a plane of the grid goes through.
+fn on_vertices(piece: &Piece, w: DVec3, offset: f64) -> f64 {
+    let near = piece.points.iter().map(|p| w.dot(*p));
+    let near = near.filter(|h| (h - offset).abs() <= even::ROUNDING);
+    let closer = |a: f64, b: f64| {
+        let (off_a, off_b) = ((a - offset).abs(), (b - offset).abs());
+        if off_b < off_a {
+            b
+        } else {
+            a
+        }
+    };
+    near.reduce(closer).unwrap_or(offset)
 }
 
 /// Through the middle of the longest side that is not closed: always ends, because hulls
@@ -209,7 +232,13 @@ fn halve(points: &[DVec3], open: &dyn Fn(DVec3) -> bool) -> Plane {
         let (lo, hi) = extent(points, DVec3::AXES[axis]);
         hi - lo
     };
-    let longest = |a: usize, b: usize| if size(b) > size(a) { b } else { a };
+    let longest = |a: usize, b: usize| {
+        if even::length(size(b)) > even::length(size(a)) {
+            b
+        } else {
+            a
+        }
+    };
     let axis = (0..3)
         .filter(|&axis| open(DVec3::AXES[axis]))
         .reduce(longest)

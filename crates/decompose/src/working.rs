@@ -18,6 +18,11 @@ use crate::orientation::orientation;
 /// the scale.
 const BITS: i32 = 30;
 
+/// How far turning may round what was one coordinate apart, in the working copy (size one).
+const TURNING: f64 = 64.0 * f64::EPSILON;
+/// Likewise placing and scaling, as a share of the largest coordinate.
+const PLACING: f64 = 4.0 * f64::EPSILON;
+
 /// Moves points between the input and the working copy.
 #[derive(Clone, Debug)]
 pub struct Working {
@@ -65,11 +70,15 @@ impl Working {
         let work_from_input = orientation(&turned(frame)) * frame;
         let exact = turned(work_from_input);
         let mut copy = exact.clone();
-        if frame != DMat3::IDENTITY {
-            snap(&mut copy);
-            if !is_whole(&copy, &exact) {
-                copy = exact.clone();
-            }
+        let turning = if frame == DMat3::IDENTITY {
+            0.0
+        } else {
+            TURNING
+        };
+        let far = lo.abs().max(hi.abs()).max_element() / half;
+        snap(&mut copy, turning + PLACING * far);
+        if !is_whole(&copy, &exact) {
+            copy = exact.clone();
         }
         let moved = (exact.vertices.iter().zip(&copy.vertices))
             .map(|(a, b)| a.distance(*b))

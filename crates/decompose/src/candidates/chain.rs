@@ -8,6 +8,7 @@
 use glam::DVec2;
 
 use super::section::Outline;
+use crate::even;
 
 /// Turns to the left up to this (sine) do not end a chain: noise of straight walls.
 const STRAIGHT: f64 = 0.01;
@@ -15,6 +16,9 @@ const STRAIGHT: f64 = 0.01;
 const SMOOTH: f64 = 0.42;
 /// Chords end this exactly, as a share of an edge.
 const FINE: f64 = 1e-6;
+
+/// Chords that end so close to a vertex, as a share of an edge, end there.
+const VERTEX: f64 = 1e-5;
 
 /// A stretch of an outline along which the solid is hollow.
 #[derive(Clone, Debug)]
@@ -133,7 +137,13 @@ impl Chain {
                 bad = mid;
             }
         }
-        good
+        // A cut beside a vertex would leave an edge too short to have a direction.
+        let vertex = good.round();
+        if (vertex - good).abs() <= VERTEX && vertex > from {
+            vertex
+        } else {
+            good
+        }
     }
 
     /// Ends of the fewest chords from one position to another; `None` beyond `most`.
@@ -176,7 +186,8 @@ impl Chain {
 
     /// Where a whole hole is widest along the first coordinate.
     fn outermost(&self) -> f64 {
-        let wider = |a: &usize, b: &usize| self.points[*a].x.total_cmp(&self.points[*b].x);
+        let wide = |i: usize| even::length(self.points[i].x);
+        let wider = |a: &usize, b: &usize| wide(*a).total_cmp(&wide(*b));
         (0..self.points.len()).rev().max_by(wider).unwrap_or(0) as f64
     }
 
@@ -214,7 +225,7 @@ impl Chain {
         let sum: f64 = (0..n)
             .map(|i| self.points[i].perp_dot(self.vertex(i + 1)))
             .sum();
-        0.5 * sum.abs()
+        even::weight(0.5 * sum.abs())
     }
 
     /// Whether a point lies in the hollow.

@@ -8,6 +8,7 @@
 
 use glam::DVec3;
 
+use crate::even;
 use crate::search::piece::Piece;
 
 /// Sine of the largest angle between a face's normal and the direction.
@@ -57,8 +58,11 @@ pub fn offsets(piece: &Piece, w: DVec3, area: f64, gap: f64, most: usize) -> Vec
         }
         close(run);
     }
-    clusters.retain(|c| c.1 >= area);
-    clusters.sort_by(|x, y| y.1.total_cmp(&x.1).then(x.0.total_cmp(&y.0)));
+    clusters.retain(|c| even::weight(c.1) >= even::weight(area));
+    clusters.sort_by(|x, y| {
+        let (a, b) = (even::weight(x.1), even::weight(y.1));
+        b.total_cmp(&a).then(x.0.total_cmp(&y.0))
+    });
     clusters.truncate(most);
     let mut offsets: Vec<f64> = clusters.into_iter().map(|c| c.0).collect();
     offsets.sort_by(f64::total_cmp);

@@ -188,34 +188,17 @@ fn clusters(faces: &mut [(DVec3, f64)]) -> Vec<(DVec3, f64)> {
     found
 }
 
-/// How far a coordinate may be moved to make a face exactly flat, in the working copy (size one):
-/// the rounding of turning. More would be seen in what the parts fill.
-const SNAP: f64 = 64.0 * f64::EPSILON;
-
-/// Give the vertices of faces along an axis one common coordinate, so that a
-/// cut at a face is exact.
-pub fn snap(mesh: &mut Mesh) {
+/// Give coordinates along an axis that are at most `gap` from the lowest of them one value, so that
+/// a cut at a face is exact and what rounding set apart is sorted alike everywhere.
+pub fn snap(mesh: &mut Mesh, gap: f64) {
+    let mut order: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
     for axis in 0..3 {
-        let mut flat = vec![false; mesh.vertices.len()];
-        for t in 0..mesh.triangles.len() {
-            let [a, b, c] = mesh.corners(t);
-            let n = (b - a).cross(c - a);
-            if n[axis].abs() > (1.0 - 1e-10) * n.length() && n != DVec3::ZERO {
-                for v in mesh.triangles[t] {
-                    flat[v as usize] = true;
-                }
-            }
-        }
-        let mut order: Vec<u32> = (0..mesh.vertices.len() as u32)
-            .filter(|&v| flat[v as usize])
-            .collect();
-        order.sort_by(|&a, &b| {
-            mesh.vertices[a as usize][axis].total_cmp(&mesh.vertices[b as usize][axis])
-        });
+        let at = |v: u32| mesh.vertices[v as usize][axis];
+        order.sort_unstable_by(|&a, &b| at(a).total_cmp(&at(b)).then(a.cmp(&b)));
         let mut anchor = f64::NEG_INFINITY;
-        for v in order {
+        for &v in &order {
             let x = &mut mesh.vertices[v as usize][axis];
-            if *x - anchor > SNAP {
+            if *x - anchor > gap {
                 anchor = *x;
             }
             *x = anchor;

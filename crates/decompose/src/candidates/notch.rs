@@ -10,6 +10,8 @@
 use assetpipe_geometry::{Mesh, Plane};
 use glam::DVec3;
 
+use crate::even;
+
 /// Least sine of half the angle by which an edge is reflex: 20° in all.
 const LEAST: f64 = 0.173;
 /// Sine of the largest bend of a straight edge, and of faces along it.
@@ -43,7 +45,7 @@ impl Notch {
     }
 
     fn weight(&self) -> f64 {
-        self.along().length() * self.depth
+        even::weight(self.along().length() * self.depth)
     }
 
     /// Whether a plane within `slack` of both ends leaves no notch.
@@ -235,14 +237,18 @@ pub fn planes(notches: &[Notch], epsilon: f64, least: f64, most: usize) -> Vec<(
         for b in &leading[i + 1..] {
             let u = a.along().normalize_or_zero();
             let across = b.ends[0] - a.ends[0];
-            let across = (across - u * u.dot(across)).normalize_or_zero();
-            let normal = u.cross(across);
+            let across = across - u * u.dot(across);
+            // Edges on one line lie in many planes.
+            if across.length() <= slack {
+                continue;
+            }
+            let normal = u.cross(across.normalize());
             if normal.dot(b.ends[1] - a.ends[0]).abs() <= slack {
                 offer(normal, a.ends[0]);
             }
         }
     }
-    offers.sort_by(|a, b| b.0.total_cmp(&a.0));
+    offers.sort_by(|a, b| even::weight(b.0).total_cmp(&even::weight(a.0)));
     let shares = offers.into_iter().take(most);
     shares
         .map(|(weight, plane)| (plane, weight / all))
@@ -336,6 +342,21 @@ mod tests {
             let (below, above) = split(&notches, &planes[0]);
             assert!(below.len() + above.len() < 3);
         }
+    }
+
+    #[test]
+    fn planes_have_unit_normals_though_edges_are_on_one_line() {
+        let notch = |from: f64, to: f64| Notch {
+            ends: [from, to].map(|t| turned() * DVec3::new(t, 0.1, 0.2)),
+            normals: [turned() * DVec3::Y, turned() * DVec3::Z],
+            cone: [turned() * -DVec3::Z, turned() * -DVec3::Y],
+            depth: 0.7,
+        };
+        let found = planes(&[notch(-0.9, -0.1), notch(0.1, 0.8)], 0.02, 0.1, 8);
+        assert!(!found.is_empty());
+        assert!(found
+            .iter()
+            .all(|(plane, _)| (plane.normal.length() - 1.0).abs() < 1e-12));
     }
 
     #[test]

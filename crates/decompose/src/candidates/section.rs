@@ -29,11 +29,14 @@ struct Segment {
     surface: bool,
 }
 
+/// Vertices so far below the plane still count as on it.
+const ON: f64 = 1e-9;
+
 /// The outlines of the section at height `h` along `basis.w`. Vertices on the plane count
 /// as above it, so every outline closes.
 pub fn outlines(piece: &Piece, basis: &Basis, h: f64) -> Vec<Outline> {
     let heights: Vec<f64> = piece.points.iter().map(|p| basis.w.dot(*p) - h).collect();
-    let above = |v: u32| heights[v as usize] >= 0.0;
+    let above = |v: u32| heights[v as usize] >= -ON;
     let mut segments: Vec<Segment> = Vec::new();
     for t in &piece.triangles {
         let up = t.map(above);
@@ -62,7 +65,8 @@ pub fn outlines(piece: &Piece, basis: &Basis, h: f64) -> Vec<Outline> {
     }
     let at = |(a, b): Edge| {
         let (ha, hb) = (heights[a as usize], heights[b as usize]);
-        let p = piece.points[a as usize].lerp(piece.points[b as usize], ha / (ha - hb));
+        let p = piece.points[a as usize]
+            .lerp(piece.points[b as usize], (ha / (ha - hb)).clamp(0.0, 1.0));
         DVec2::new(basis.u.dot(p), basis.v.dot(p))
     };
     for cap in &piece.caps {

@@ -14,7 +14,7 @@ impl Policy for Lookahead {
     fn choose(&self, question: &Question<'_>) -> Option<Choice> {
         Search {
             q: question,
-            value: Value::new(question.settings, question.epsilon),
+            value: Value::new(question.settings, question.epsilon).of(question.piece),
         }
         .run()
     }
@@ -65,8 +65,8 @@ impl Search<'_> {
             }
         }
         firsts.sort_by(|a, b| {
-            a.value
-                .total_cmp(&b.value)
+            let (v, w) = (self.value.even(a.value), self.value.even(b.value));
+            v.total_cmp(&w)
                 .then(a.direction.cmp(&b.direction))
                 .then(a.trial.cmp(&b.trial))
         });
@@ -90,7 +90,7 @@ impl Search<'_> {
             .collect();
         // The first of equals: the order is that of the first step.
         let best = expanded.into_iter().reduce(|a, b| {
-            if b.choice.value < a.choice.value {
+            if self.value.even(b.choice.value) < self.value.even(a.choice.value) {
                 b
             } else {
                 a
@@ -103,7 +103,8 @@ impl Search<'_> {
     fn worse(&self, sweep: &Sweep, first: &First) -> Half {
         let basis = &self.q.directions[first.direction];
         let (below, above) = halves(self.q.piece, self.q.forbidden, basis, sweep, first.trial);
-        if first.below >= first.above {
+        // The lower of equals.
+        if self.value.even(first.below) >= self.value.even(first.above) {
             below
         } else {
             above
@@ -127,7 +128,7 @@ impl Search<'_> {
                     .value
                     .join(self.value.cost(&t.below), self.value.cost(&t.above));
                 let value = self.value.join(other, parts);
-                if best.is_none_or(|b| value < b.2) {
+                if best.is_none_or(|b| self.value.even(value) < self.value.even(b.2)) {
                     best = Some((direction, t.offset, value));
                 }
             }
@@ -174,7 +175,7 @@ impl Search<'_> {
                     .join(self.value.cost(&t.below), self.value.cost(&t.above));
                 value += self.value.join(below.min(above), parts);
             }
-            if value < best.value {
+            if self.value.even(value) < self.value.even(best.value) {
                 best = choice(direction, t, value);
             }
         }

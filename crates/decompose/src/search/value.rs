@@ -1,7 +1,14 @@
 //! What a cut is worth.
 
+use glam::Vec3Swizzles;
+
+use super::piece::Piece;
 use super::sweep::Side;
+use crate::even;
 use crate::settings::{Norm, SearchSettings};
+
+/// Volumes are compared in steps of so much times a part's surface: ten times what jitter does.
+const GRAIN: f64 = 1e-6;
 
 /// Puts the parts of a trial together to one number; smaller is better.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +18,8 @@ pub struct Value {
     undone: f64,
     /// 1/ε³.
     unit: f64,
+    /// Steps in which volumes are compared.
+    grain: f64,
 }
 
 impl Value {
@@ -21,6 +30,7 @@ impl Value {
             excess: settings.excess,
             undone: settings.undone,
             unit: 1.0 / (epsilon * epsilon * epsilon),
+            grain: GRAIN,
         }
     }
 
@@ -30,6 +40,18 @@ impl Value {
         Value {
             norm: Norm::Worst,
             ..Value::new(settings, epsilon)
+        }
+    }
+
+    /// The same for cuts of a piece.
+    #[must_use]
+    pub fn of(self, piece: &Piece) -> Self {
+        let (lo, hi) = piece.bounds();
+        let size = hi - lo;
+        let surface = 2.0 * size.dot(size.zxy());
+        Value {
+            grain: even::weight(GRAIN * self.excess * surface).max(f64::MIN_POSITIVE),
+            ..self
         }
     }
 
@@ -46,6 +68,16 @@ impl Value {
                 Norm::Worst => libm::cbrt(volume * (0.75 / std::f64::consts::PI)),
                 Norm::Sum(power) => libm::pow(volume, power),
             }
+    }
+
+    /// A value as it is compared with others: on a lattice, so that what jitter and rounding make
+    /// of equal cuts are equals.
+    pub fn even(&self, value: f64) -> f64 {
+        let volume = match self.norm {
+            Norm::Worst => value.max(0.0).powi(3),
+            Norm::Sum(power) => libm::pow(value.max(0.0), 1.0 / power),
+        };
+        libm::round(volume / (self.unit * self.grain))
     }
 
     /// The cost of several parts.

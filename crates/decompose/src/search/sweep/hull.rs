@@ -15,6 +15,11 @@
 use glam::DVec3;
 
 const NONE: u32 = u32::MAX;
+/// Points no farther outside are on a face: two vertices at one place are jittered alike.
+const ROUNDING: f64 = 1e-13;
+/// Samples so far outside count as inside: grids meet faces, and neither rounding nor jitter is to
+/// decide on which side.
+const ON: f64 = 2e-6;
 
 #[derive(Clone, Copy)]
 struct Face {
@@ -73,12 +78,12 @@ impl SweepHull {
     /// separates, and makes the next question about the same point cheap.
     pub fn contains(&self, q: DVec3, depth: f64, witness: &mut u32) -> bool {
         if let Some(face) = self.faces.get(*witness as usize) {
-            if face.alive && face.normal.dot(q) > face.offset - depth * face.length {
+            if face.alive && face.normal.dot(q) > face.offset + (ON - depth) * face.length {
                 return false;
             }
         }
         for (index, face) in self.faces.iter().enumerate() {
-            if face.alive && face.normal.dot(q) > face.offset - depth * face.length {
+            if face.alive && face.normal.dot(q) > face.offset + (ON - depth) * face.length {
                 *witness = index as u32;
                 return false;
             }
@@ -149,10 +154,11 @@ impl SweepHull {
     fn face(&self, corners: [u32; 3], neighbours: [u32; 3]) -> Face {
         let [a, b, c] = corners.map(|v| self.points[v as usize]);
         let normal = (b - a).cross(c - a);
+        let (offset, length) = (normal.dot(a), normal.length());
         Face {
             normal,
-            offset: normal.dot(a),
-            length: normal.length(),
+            offset,
+            length,
             corners,
             neighbours,
             alive: true,
@@ -161,7 +167,7 @@ impl SweepHull {
 
     fn sees(&self, f: u32, p: DVec3) -> bool {
         let face = &self.faces[f as usize];
-        face.normal.dot(p) > face.offset
+        face.normal.dot(p) > face.offset + ROUNDING * face.length
     }
 
     fn grow(&mut self, p: DVec3) {

@@ -10,6 +10,7 @@
 
 mod basis;
 mod hull;
+mod jitter;
 mod section;
 #[cfg(test)]
 mod tests;
@@ -20,16 +21,19 @@ use glam::{DVec2, DVec3};
 
 pub use self::basis::Basis;
 use self::hull::SweepHull;
+use self::jitter::jittered;
 use self::section::sections;
 pub use self::trial::{Forbidden, Side, Sweep, Trial};
 use self::volume::volumes_below;
 use super::piece::Piece;
+use crate::even;
 
 /// Memory reused between sweeps.
 #[derive(Default)]
 pub struct Scratch {
     hull: SweepHull,
     local: Vec<DVec3>,
+    samples: Vec<DVec3>,
     low: Vec<f64>,
     high: Vec<f64>,
     order: Vec<u32>,
@@ -38,19 +42,6 @@ pub struct Scratch {
     inserted: Vec<bool>,
     witness: Vec<u32>,
 }
-
-/// Deterministic noise in [−1/2, 1/2)³ for a key.
-fn noise(key: u64) -> DVec3 {
-    let mut x = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^= x >> 31;
-    let part = |shift: u32| ((x >> shift) & 0x1f_ffff) as f64 / 2_097_152.0 - 0.5;
-    DVec3::new(part(0), part(21), part(42))
-}
-
-/// Size of the jitter of search-only points; working copies have extent ~1.
-const JITTER: f64 = 4e-7;
 
 /// Vertices this close to a plane count as on it: stand-ins of a flat face are
 /// flat to rounding only.
@@ -72,13 +63,19 @@ pub fn sweep(
     scratch.local.clear();
     scratch
         .local
-        .extend(piece.points.iter().map(|&p| basis.local(p)));
+        .extend(piece.points.iter().map(|&p| even::point(basis.local(p))));
+    scratch.samples.clear();
+    scratch
+        .samples
+        .extend(forbidden.iter().map(|f| even::point(basis.local(f.point))));
+    let exact = offsets;
+    let offsets: &[f64] = &exact.iter().map(|&t| even::length(t)).collect::<Vec<f64>>();
     let volumes = volumes_below(piece, &scratch.local, offsets);
     let total = volumes[count];
     sections(edges, offsets, slack, scratch);
 
     let mut result = Sweep {
-        trials: offsets
+        trials: exact
             .iter()
             .zip(&volumes)
             .map(|(&offset, &part)| Trial {
@@ -96,14 +93,13 @@ pub fn sweep(
         enters_below: vec![count as u32; forbidden.len()],
         leaves_above: vec![0; forbidden.len()],
     };
-    pass(basis, offsets, forbidden, scratch, &mut result, false);
-    pass(basis, offsets, forbidden, scratch, &mut result, true);
+    pass(offsets, forbidden, scratch, &mut result, false);
+    pass(offsets, forbidden, scratch, &mut result, true);
     result
 }
 
 /// One pass over all planes: from below, or mirrored from above.
 fn pass(
-    basis: &Basis,
     offsets: &[f64],
     forbidden: &[Forbidden],
     scratch: &mut Scratch,
@@ -113,6 +109,7 @@ fn pass(
     let Scratch {
         hull,
         local,
+        samples,
         low,
         high,
         order,
@@ -165,16 +162,15 @@ fn pass(
             let belongs = z < t - ON || reach(v) < t - ON;
             if belongs && !inserted[v as usize] {
                 inserted[v as usize] = true;
-                hull.insert(flip(local[v as usize] + JITTER * noise(u64::from(v))));
+                hull.insert(flip(jittered(local[v as usize])));
             }
             ahead += 1;
             if z < t - ON {
                 next = ahead;
             }
         }
-        for (i, p) in sections[k].iter().enumerate() {
-            let key = ((k as u64 + 1) << 32) + i as u64;
-            hull.insert(flip(p.extend(offsets[k]) + JITTER * noise(key)));
+        for p in &sections[k] {
+            hull.insert(flip(jittered(p.extend(offsets[k]))));
         }
         for (i, sample) in forbidden.iter().enumerate() {
             let known = if mirrored {
@@ -182,11 +178,10 @@ fn pass(
             } else {
                 (result.enters_below[i] as usize) < offsets.len()
             };
-            if known || sign * basis.w.dot(sample.point) > t {
+            if known || sign * samples[i].z > t + ON {
                 continue;
             }
-            let point = flip(basis.local(sample.point));
-            if hull.contains(point, sample.depth, &mut witness[i]) {
+            if hull.contains(flip(samples[i]), sample.depth, &mut witness[i]) {
                 held += sample.weight;
                 if mirrored {
                     result.leaves_above[i] = k as u32 + 1;

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::{Scratch, ON};
+use crate::even;
 
 /// Outlines of all sections, and what `pass` needs to know of each vertex.
 pub fn sections(edges: &[(u32, u32)], offsets: &[f64], slack: f64, scratch: &mut Scratch) {
@@ -33,17 +34,17 @@ pub fn sections(edges: &[(u32, u32)], offsets: &[f64], slack: f64, scratch: &mut
         let mut k = offsets.partition_point(|&t| t <= z0 + ON);
         while k < offsets.len() && offsets[k] < z1 - ON {
             let p = a.lerp(b, (offsets[k] - a.z) / (b.z - a.z));
-            sections[k].push(p.truncate());
+            sections[k].push(even::point(p).truncate());
             k += 1;
         }
     }
     order.clear();
     order.extend(0..local.len() as u32);
     order.sort_unstable_by(|&a, &b| {
-        local[a as usize]
-            .z
-            .total_cmp(&local[b as usize].z)
-            .then(a.cmp(&b))
+        let (p, q) = (local[a as usize], local[b as usize]);
+        p.z.total_cmp(&q.z)
+            .then(p.x.total_cmp(&q.x))
+            .then(p.y.total_cmp(&q.y))
     });
     for section in &mut sections[..offsets.len()] {
         convex_outline(section, slack, outline);
