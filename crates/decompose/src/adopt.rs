@@ -4,12 +4,16 @@
 //! then in no part. And a part as thin as rounding may have no volume left in the input's
 //! coordinates, so that it has no hull there. The parts around hold such points but for rounding,
 //! and hulls are to hold them exactly: so the nearest one gets them.
+//! Where borders of caps cross, a part's closed surface has a vertex that is none of its points; the
+//! part gets it too.
 
 use assetpipe_geometry::distance::ConvexBody;
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
+use rayon::prelude::*;
 
+use crate::close::crossings;
 use crate::engine::Cover;
 use crate::merge::{bounds, volume, Proved};
 use crate::search::piece::Piece;
@@ -36,6 +40,15 @@ fn is_flat(hull: &Proved, parts: &[Piece], working: &Working) -> bool {
     matches!(convex_hull(&points), Err(HullError::Degenerate { .. }))
 }
 
+/// How far a point is beyond a hull's faces.
+fn beyond(body: &ConvexBody, p: DVec3) -> f64 {
+    let heights = body
+        .half_spaces()
+        .iter()
+        .map(|s| s.normal.dot(p) - s.offset);
+    heights.fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Drop hulls that are flat in the input's coordinates, and give each vertex of a face of the
 /// working copy that no part of the others has to a part of the nearest hull.
 pub fn adopt(cover: &mut Cover, copy: &Mesh, working: &Working) {
@@ -43,6 +56,18 @@ pub fn adopt(cover: &mut Cover, copy: &Mesh, working: &Working) {
     let standing = |hull: &Proved| !is_flat(hull, parts, working);
     if !cover.hulls.iter().all(standing) && cover.hulls.iter().any(standing) {
         cover.hulls.retain(standing);
+    }
+    let made: Vec<Vec<DVec3>> = cover.parts.par_iter().map(crossings).collect();
+    for hull in &cover.hulls {
+        for &m in &hull.members {
+            let made = &made[m as usize];
+            if !made.is_empty() {
+                let body = ConvexBody::new(&hull.hull);
+                let near = made.iter().copied();
+                let near = near.filter(|p| beyond(&body, *p) <= ROUNDING);
+                cover.parts[m as usize].points.extend(near);
+            }
+        }
     }
     let mut held: Vec<DVec3> = cover
         .hulls
@@ -72,13 +97,7 @@ pub fn adopt(cover: &mut Cover, copy: &Mesh, working: &Working) {
         .map(|hull| ConvexBody::new(&hull.hull))
         .collect();
     for p in bare {
-        let beyond = bodies.iter().map(|body| {
-            let heights = body
-                .half_spaces()
-                .iter()
-                .map(|s| s.normal.dot(p) - s.offset);
-            heights.fold(f64::NEG_INFINITY, f64::max)
-        });
+        let beyond = bodies.iter().map(|body| beyond(body, p));
         let nearest = beyond
             .enumerate()
             .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));

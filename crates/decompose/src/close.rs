@@ -36,6 +36,21 @@ fn canonical(plane: &Plane) -> Plane {
 /// Where two pieces meet at a cut their caps bound the same region in opposite
 /// senses; the sum of both borders is the border of what is left open.
 pub fn close(pieces: &[&Piece]) -> Mesh {
+    closed(pieces).0
+}
+
+/// The vertices of the closed surface of a piece that are none of its points: where borders of
+/// caps cross.
+pub fn crossings(piece: &Piece) -> Vec<DVec3> {
+    if piece.caps.is_empty() {
+        return Vec::new();
+    }
+    let (mut mesh, own) = closed(&[piece]);
+    mesh.vertices.split_off(own)
+}
+
+/// The closed surface, and how many of its vertices, from the first, are points of the pieces.
+fn closed(pieces: &[&Piece]) -> (Mesh, usize) {
     // One index for each distinct position.
     let mut positions: Vec<([u64; 3], DVec3)> = pieces
         .iter()
@@ -80,7 +95,7 @@ pub fn close(pieces: &[&Piece]) -> Mesh {
     }
     mesh.triangles
         .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
-    mesh
+    (mesh, positions.len())
 }
 
 /// Edges (lesser index first) that run through another vertex, with that vertex.
