@@ -27,7 +27,8 @@ const CLUSTERS: usize = 24;
 
 /// The rotation from the mesh's frame into the frame of the cuts.
 pub fn choose(mesh: &Mesh) -> DMat3 {
-    let mut faces: Vec<(DVec3, f64)> = (0..mesh.triangles.len())
+    let faces: Vec<(DVec3, f64)> = (0..mesh.triangles.len())
+        .into_par_iter()
         .map(|t| {
             let [a, b, c] = mesh.corners(t);
             let normal = (b - a).cross(c - a);
@@ -39,10 +40,10 @@ pub fn choose(mesh: &Mesh) -> DMat3 {
     if own * GAIN >= total || own + SHARE * total >= total {
         return DMat3::IDENTITY;
     }
-    let axis = revolution::axis(mesh);
+    let mut sorted = faces.clone();
+    let (axis, clusters) = rayon::join(|| revolution::axis(mesh), || clusters(&mut sorted));
     let unexplained: Vec<(DVec3, f64)> = axis.iter().flat_map(|a| beside(&faces, a)).collect();
-    let clusters = clusters(&mut faces);
-    let flat = of_faces(&faces, &clusters, own, total);
+    let flat = of_faces(&sorted, &clusters, own, total);
     // Flat faces that do not go round the axis show a frame, as where a ball lost a piece; those
     // that do are the facets of what goes round.
     match axis {

@@ -8,6 +8,7 @@
 
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::eigen;
 
@@ -48,6 +49,7 @@ pub fn axis(mesh: &Mesh) -> Option<Axis> {
     }
     // A line complex, an area and how far off the axis may be.
     let faces: Vec<([f64; 6], f64, f64)> = (0..mesh.triangles.len())
+        .into_par_iter()
         .map(|t| {
             let [a, b, c] = mesh.corners(t).map(|p| (p - centre) / size);
             let normal = (b - a).cross(c - a);
@@ -61,8 +63,7 @@ pub fn axis(mesh: &Mesh) -> Option<Axis> {
         .collect();
     let total: f64 = faces.iter().map(|f| f.1).sum();
     let mut weights: Vec<f64> = faces.iter().map(|f| f.1).collect();
-    let mut found = None;
-    for _ in 0..ROUNDS {
+    for round in 1..=ROUNDS {
         let mut matrix = [[0.0; 6]; 6];
         for ((line, _, _), weight) in faces.iter().zip(&weights) {
             for i in 0..6 {
@@ -78,6 +79,14 @@ pub fn axis(mesh: &Mesh) -> Option<Axis> {
         if length < 0.1 {
             return None;
         }
+        if round < ROUNDS {
+            let weigh = |((line, area, room), weight): (&([f64; 6], f64, f64), &mut f64)| {
+                let off = miss(line, &v) / room;
+                *weight = area / (1.0 + off * off);
+            };
+            faces.par_iter().zip(&mut weights).for_each(weigh);
+            continue;
+        }
         let meets = |f: &([f64; 6], f64, f64), v: &[f64; 6]| miss(&f.0, v) < f.2;
         let share = |v: &[f64; 6]| -> f64 {
             let met = faces.iter().filter(|f| meets(f, v));
@@ -86,16 +95,12 @@ pub fn axis(mesh: &Mesh) -> Option<Axis> {
         let held = share(&v);
         let unique = values[1].0 > UNIQUE * values[0].0.max(1e-9 * total)
             && share(&values[1].1) < OTHER * held;
-        found = (unique && held > SHARE).then(|| Axis {
+        return (unique && held > SHARE).then(|| Axis {
             direction: direction(&v) / length,
             meets: faces.iter().map(|f| meets(f, &v)).collect(),
         });
-        for ((line, area, room), weight) in faces.iter().zip(&mut weights) {
-            let off = miss(line, &v) / room;
-            *weight = area / (1.0 + off * off);
-        }
     }
-    found
+    None
 }
 
 fn direction(v: &[f64; 6]) -> DVec3 {
