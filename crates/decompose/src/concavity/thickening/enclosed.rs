@@ -106,6 +106,11 @@ impl Inner {
             .map_or(straight, |p| p.distance(q).min(straight))
     }
 
+    /// How far the half-spaces are moved inward.
+    pub(super) fn depth(&self) -> f64 {
+        self.depth
+    }
+
     fn is_cut(&self, side: u32) -> bool {
         (side as usize) < self.cuts
     }
@@ -166,24 +171,11 @@ impl Inner {
         Ok(deepest)
     }
 
-    /// The least depth of a whole triangle below one side; zero if its own
+    /// The least depth of what the box holds of a triangle below one side; zero if its own
     /// plane keeps it off.
     fn depth_of(&self, triangle: &Triangle, near: Range<usize>, corners: &[DVec3]) -> f64 {
         let [a, b, c] = triangle.corners();
-        let depth = self.near[near]
-            .iter()
-            .map(|side| {
-                let HalfSpace { normal, offset } = self.sides[*side as usize];
-                let depth = offset - normal.dot(a).min(normal.dot(b)).min(normal.dot(c));
-                if self.is_cut(*side) {
-                    depth
-                } else if depth <= self.margin {
-                    0.0
-                } else {
-                    f64::INFINITY
-                }
-            })
-            .fold(f64::INFINITY, f64::min);
+        let depth = self.depth_below(&[a, b, c], near.clone());
         if depth <= 0.0 {
             return 0.0;
         }
@@ -198,7 +190,45 @@ impl Inner {
         if cell.0 >= own.1 || cell.1 <= own.0 {
             return 0.0;
         }
-        depth
+        // Only what is inside the box counts.
+        let (lo, hi) = self.grown_box();
+        if [a, b, c]
+            .iter()
+            .all(|p| p.cmpge(lo).all() && p.cmple(hi).all())
+        {
+            return depth;
+        }
+        let inside = within([a, b, c], lo, hi);
+        depth.min(self.depth_below(&inside, near))
+    }
+
+    /// The box, grown by the margin.
+    fn grown_box(&self) -> (DVec3, DVec3) {
+        let side = |k: usize| self.sides[self.cuts + k].offset + self.margin;
+        let (lo, hi) = (
+            DVec3::new(side(1), side(3), side(5)),
+            DVec3::new(side(0), side(2), side(4)),
+        );
+        (-lo, hi)
+    }
+
+    /// The least depth of all points below one side.
+    fn depth_below(&self, points: &[DVec3], near: Range<usize>) -> f64 {
+        self.near[near]
+            .iter()
+            .map(|side| {
+                let HalfSpace { normal, offset } = self.sides[*side as usize];
+                let lowest = points.iter().map(|p| normal.dot(*p));
+                let depth = offset - lowest.fold(f64::INFINITY, f64::min);
+                if self.is_cut(*side) {
+                    depth
+                } else if depth <= self.margin {
+                    0.0
+                } else {
+                    f64::INFINITY
+                }
+            })
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Whether `p` is in the inner part, `extra` away from its sides.
@@ -254,4 +284,27 @@ impl Inner {
         }
         Some(p + (self.middle - p) * step)
     }
+}
+
+/// The part of a triangle inside a box (Sutherland & Hodgman 1974).
+fn within(corners: [DVec3; 3], lo: DVec3, hi: DVec3) -> Vec<DVec3> {
+    let mut points = corners.to_vec();
+    for axis in 0..3 {
+        for (sign, limit) in [(1.0, hi[axis]), (-1.0, -lo[axis])] {
+            let beyond = |p: DVec3| sign * p[axis] - limit;
+            let mut kept = Vec::with_capacity(points.len() + 1);
+            for (i, &p) in points.iter().enumerate() {
+                let next = points[(i + 1) % points.len()];
+                let (here, there) = (beyond(p), beyond(next));
+                if here <= 0.0 {
+                    kept.push(p);
+                }
+                if (here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0) {
+                    kept.push(p.lerp(next, here / (here - there)));
+                }
+            }
+            points = kept;
+        }
+    }
+    points
 }

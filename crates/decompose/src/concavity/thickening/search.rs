@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use assetpipe_geometry::bvh::{Bounds, Nearest};
-use assetpipe_geometry::distance::{ConvexBody, SolidIndex};
+use assetpipe_geometry::distance::{ConvexBody, HalfSpace, SolidIndex};
 use assetpipe_geometry::{DVec3, Mesh};
 
 use super::cell::{contract, Polytope};
@@ -15,6 +15,8 @@ use super::enclosed::Inner;
 use crate::concavity::goal::Goal;
 use crate::concavity::{mixture, Interval, Limits};
 
+/// By how much the cosine of a half-space along an axis may be off.
+const FLAT: f64 = 1e-12;
 /// Share of the solid's rounding allowance by which planes are moved.
 const MARGIN: f64 = 0.1;
 
@@ -82,7 +84,10 @@ pub(super) struct Search<'a> {
     known: f64,
     witness: Option<DVec3>,
     examined: usize,
+    /// Half-spaces along the axes: boxes end at them, so that they cut none.
+    flats: Vec<HalfSpace>,
     cell: Polytope,
+    wide: Polytope,
     inner: Inner,
     scratch: Scratch,
 }
@@ -97,9 +102,13 @@ struct Scratch {
 
 impl<'a> Search<'a> {
     pub(super) fn new(solid: &'a SolidIndex, hull: &'a Mesh, goal: Goal) -> Self {
+        let body = ConvexBody::new(hull);
+        let is_flat = |s: &&HalfSpace| s.normal.abs().max_element() >= 1.0 - FLAT;
+        let flats = body.half_spaces().iter().filter(is_flat).copied();
         Search {
             solid,
-            body: ConvexBody::new(hull),
+            flats: flats.collect(),
+            body,
             goal,
             slack: solid.slack(),
             planes: Vec::new(),
@@ -111,6 +120,7 @@ impl<'a> Search<'a> {
             witness: None,
             examined: 0,
             cell: Polytope::default(),
+            wide: Polytope::default(),
             inner: Inner::default(),
             scratch: Scratch::default(),
         }

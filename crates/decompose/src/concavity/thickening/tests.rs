@@ -226,3 +226,20 @@ fn nothing_to_be_near_to_is_infinitely_far() {
     assert_eq!(interval, Interval::exactly(f64::INFINITY));
     assert!(!decide(&index, &cube, 1.0, &Limits::default()).is_within());
 }
+
+/// A bar with a shallow dent along it: all surface is near to the hull, but hardly any point of the
+/// hull is farther from it than others. Plain, boxes end at the hull's upper side; turned, it is
+/// oblique to them.
+#[test]
+fn a_shallow_dent_needs_few_cells() {
+    let depth = 1e-4;
+    let left = vec![(-1.0, -1.0), (0.0, -1.0), (0.0, -depth), (-1.0, 0.0)];
+    let right = vec![(0.0, -1.0), (2.0, -1.0), (2.0, 0.0), (0.0, -depth)];
+    let bar = shapes::prism(&[left, right], -3.0, 3.0);
+    for solid in [bar.clone(), shapes::turned(&bar)] {
+        let index = SolidIndex::new(&solid);
+        let found = bounds(&index, &hull_of(&solid), CLOSE, &Limits::cells(3000));
+        let truth = depth / f64::hypot(1.0, depth / 2.0);
+        assert!(found.holds(truth) && found.upper < 1.5 * truth, "{found:?}");
+    }
+}

@@ -2,11 +2,14 @@
 
 use std::ops::Range;
 
+use assetpipe_geometry::bvh::Bounds;
+use assetpipe_geometry::distance::HalfSpace;
 use assetpipe_geometry::DVec3;
 
-use super::super::cell::CUTS;
+use super::super::cell::{Polytope, CUTS};
 use super::super::enclosed::Blocked;
 use super::{Cell, Search, Side, MARGIN};
+use crate::concavity::goal::Goal;
 use crate::concavity::mixture;
 
 /// A cell with a larger radius than this share of the target is split before
@@ -19,6 +22,12 @@ const ROOMY: f64 = 2.0;
 const SPLITS: usize = 3;
 /// Half-spaces that a cell is cut with at first.
 const FEW_CUTS: usize = 6;
+/// Bounds that are to be so close are worth a second look at a cell.
+const FINE: f64 = 0.02;
+/// Then the surface in a cell may be so many targets deep.
+const DEEPER: f64 = 3.0;
+/// How many depths wider the second look at a cell is.
+const WIDER: f64 = 2.0;
 /// Stands for the inner part of a cell where triangles have numbers.
 const INNER: u32 = u32::MAX;
 
@@ -37,18 +46,26 @@ impl Search<'_> {
             return f64::INFINITY;
         }
         let margin = MARGIN * self.slack;
+        // Surface that is too deep to settle the cell still bounds it.
+        let is_fine = matches!(self.goal, Goal::Measure { gap } if gap.relative < FINE);
+        let most = if is_fine { DEEPER * target } else { target };
         let mut cell = std::mem::take(&mut self.cell);
-        cell.set(
-            seen.bounds,
-            self.planes[planes.clone()]
-                .iter()
-                .map(|i| self.body.half_spaces()[*i as usize]),
+        let (centre, half) = (
+            seen.bounds.centre(),
+            (seen.bounds.hi - seen.bounds.lo) * 0.5,
         );
+        let touches = |s: &&HalfSpace| {
+            s.normal.dot(centre) + s.normal.abs().dot(half) > s.offset - self.slack
+        };
+        let cuts = self.planes[planes.clone()].iter();
+        let cuts = cuts.map(|i| self.body.half_spaces()[*i as usize]);
+        let flats = self.flats.iter().filter(touches).copied();
+        cell.set(seen.bounds, cuts.chain(flats));
         cell.find_corners(FEW_CUTS, margin);
         let mut has_inner = false;
         if may_be_enclosed && !cell.corners.is_empty() {
             let suspects = [seen.slot, seen.blocker];
-            match self.inner.find(self.solid, &cell, target, margin, suspects) {
+            match self.inner.find(self.solid, &cell, most, margin, suspects) {
                 Ok(()) => has_inner = true,
                 Err(Blocked::By(slot)) => seen.blocker = slot,
                 Err(Blocked::Unclear) => {}
@@ -57,7 +74,7 @@ impl Search<'_> {
                 cell.find_corners(CUTS, margin);
             }
         }
-        let upper = if cell.corners.is_empty() {
+        let mut upper = if cell.corners.is_empty() {
             0.0
         } else if has_inner || may_be_near {
             let first = if has_inner { INNER } else { seen.slot };
@@ -65,8 +82,36 @@ impl Search<'_> {
         } else {
             f64::INFINITY
         };
+        if has_inner && upper > target && is_fine {
+            upper = upper.min(self.wider(seen, &cell, most));
+        }
         self.cell = cell;
         upper
+    }
+
+    /// The bound by the inner part of a larger cell: where half-spaces are oblique to the box, the
+    /// nearest point of what is solid lies beyond its sides.
+    fn wider(&mut self, seen: &Cell, cell: &Polytope, most: f64) -> f64 {
+        let margin = MARGIN * self.slack;
+        let more = DVec3::splat(self.inner.depth() * WIDER);
+        let bounds = Bounds {
+            lo: seen.bounds.lo - more,
+            hi: seen.bounds.hi + more,
+        };
+        let (centre, half) = (bounds.centre(), (bounds.hi - bounds.lo) * 0.5);
+        let cuts = |s: &&HalfSpace| s.normal.dot(centre) + s.normal.abs().dot(half) > s.offset;
+        let mut wide = std::mem::take(&mut self.wide);
+        wide.set(bounds, self.body.half_spaces().iter().filter(cuts).copied());
+        wide.find_corners(FEW_CUTS, margin);
+        let suspects = [seen.slot, seen.blocker];
+        let found = !wide.corners.is_empty()
+            && (self.inner.find(self.solid, &wide, most, margin, suspects)).is_ok();
+        self.wide = wide;
+        if found {
+            self.mix(&cell.corners, INNER, &seen.planes)
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Distance from `q` to a convex part of the solid: a triangle or what
