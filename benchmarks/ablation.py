@@ -51,10 +51,10 @@ def mcts(name: str, group: str = "MCTS", **search: str | float) -> Change:
 def changes() -> list[Change]:
     """All rows, the most telling first."""
     rows = [
-        Change("policy", "greedy", {"policy": "greedy", "ways": ""}),
-        Change("policy", "greedy, two ways", {"policy": "greedy", "ways": "2,2"}),
-        Change("policy", "two steps", {"policy": "lookahead", "ways": ""}),
-        Change("policy", "two steps, two ways", {"policy": "lookahead", "ways": "2,2,2,2"}),
+        Change("policy", "two ways", {"ways": "2,2"}),
+        Change("policy", "three ways", {"ways": "3,3,3"}),
+        Change("policy", "two steps", {"policy": "lookahead"}),
+        Change("policy", "two steps, two ways", {"policy": "lookahead", "ways": "2,2"}),
         Change("cost", "worst part (Eq. 7)", {"norm": "worst"}),
         Change("cost", "R_v only (Eq. 5)", {"norm": "worst", "excess": 1, "samples": 1}),
         Change("candidates", "no sectors", {"sectors": "ignored"}),

@@ -4,6 +4,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::error::DecomposeError;
 
+/// Share of the work that is done when all parts are proved, when they are merged, and when the
+/// hulls are finished: about what they take of the time.
+pub(crate) const CUT: f64 = 0.4;
+pub(crate) const MERGED: f64 = 0.55;
+pub(crate) const FINISHED: f64 = 0.95;
+
 /// Shared between a computation and whoever watches it.
 #[derive(Debug, Default)]
 pub struct Control {

@@ -1,6 +1,7 @@
 //! The door of the engine: a solid in, proved hulls out.
 
 use std::cmp::Reverse;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, HullError};
@@ -13,7 +14,7 @@ use crate::candidates::frame;
 use crate::canonical::ordered;
 use crate::close::close;
 use crate::concavity::{Gap, Interval, Limits};
-use crate::control::Control;
+use crate::control::{Control, FINISHED, MERGED};
 use crate::convex::{check_closed, is_convex, is_like_a_sphere, is_strictly_convex};
 use crate::engine::{decompose_working, roots, Cover};
 use crate::error::DecomposeError;
@@ -278,9 +279,8 @@ fn concave(
         cells: settings.cells,
         most_vertices: settings.most_vertices,
     };
-    let finished = finished(&finish, &cover)?;
+    let finished = finished(&finish, &cover, control)?;
     control.go_on()?;
-    control.report(0.95);
     let leaves = finished.len();
     let nodes = build(&finish, finished)?;
     control.go_on()?;
@@ -297,6 +297,7 @@ fn concave(
 fn finished(
     finish: &Finish<'_>,
     cover: &Cover,
+    control: &Control,
 ) -> Result<Vec<(Mesh, Proved, Option<Interval>)>, DecomposeError> {
     let points = |hull: &Proved| -> usize {
         let parts = hull.members.iter().map(|&m| &cover.parts[m as usize]);
@@ -304,10 +305,19 @@ fn finished(
     };
     let mut order: Vec<usize> = (0..cover.hulls.len()).collect();
     order.sort_by_cached_key(|&k| Reverse(points(&cover.hulls[k])));
+    control.report(MERGED);
+    let all: usize = cover.hulls.iter().map(points).sum();
+    let so_far = AtomicUsize::new(0);
     let mut done = order
         .into_par_iter()
         .with_max_len(1)
-        .map(|k| Ok((k, finish.run(&cover.hulls[k], &cover.parts)?)))
+        .map(|k| {
+            let own = points(&cover.hulls[k]);
+            let found = finish.run(&cover.hulls[k], &cover.parts)?;
+            let share = (so_far.fetch_add(own, Ordering::Relaxed) + own) as f64 / all.max(1) as f64;
+            control.report(MERGED + (FINISHED - MERGED) * share);
+            Ok((k, found))
+        })
         .collect::<Result<Vec<_>, DecomposeError>>()?;
     done.sort_unstable_by_key(|d| d.0);
     Ok(done.into_iter().map(|d| d.1).collect())

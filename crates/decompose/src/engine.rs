@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::candidates::notch;
-use crate::control::Control;
+use crate::control::{Control, CUT};
 use crate::error::DecomposeError;
 use crate::explore::Explorer;
 use crate::judge::Judge;
@@ -111,8 +111,7 @@ pub fn decompose_working(
     control: &Control,
 ) -> Result<Cover, DecomposeError> {
     if settings.ways.is_empty() {
-        // Merging and the coarser levels are about a tenth of the work.
-        let found = run(judge, open, settings, &|share| control.report(0.9 * share))?;
+        let found = run(judge, open, settings, &|share| control.report(CUT * share))?;
         return finish(judge, found, settings);
     }
     let explorer = Explorer::new(judge, settings, control);

@@ -10,7 +10,7 @@ use std::sync::Mutex;
 use assetpipe_geometry::Plane;
 use rayon::prelude::*;
 
-use crate::control::Control;
+use crate::control::{Control, CUT};
 use crate::engine::{finish, run, Cover};
 use crate::error::DecomposeError;
 use crate::even;
@@ -114,7 +114,7 @@ impl<'a> Explorer<'a> {
     fn report(&self, share: f64) {
         if let Ok(mut followed) = self.followed.lock() {
             *followed += share;
-            self.control.report(0.9 * *followed);
+            self.control.report(CUT * *followed);
         }
     }
 }
