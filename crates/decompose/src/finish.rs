@@ -18,6 +18,11 @@ use crate::working::Working;
 
 /// Hulls with fewer vertices gain nothing from simplification.
 const FEW: usize = 8;
+/// Shares of the reach that simplification tries, the greatest first.
+const REACHES: [f64; 4] = [1.0, 0.3, 0.03, 0.003];
+/// Hulls with more vertices than this try the smallest reaches too: fine meshes have most of
+/// their vertices next to a plane of few others.
+const MANY: usize = 64;
 /// How far removing slivers may reach outward, in ε; the second where the proof
 /// leaves no room for the first.
 const CLEARANCE: [f64; 2] = [1e-3, 1e-9];
@@ -180,9 +185,15 @@ impl Finish<'_> {
     /// The hull with fewer vertices, if one within ε is found.
     fn slimmed(&self, exact: &Mesh, group: &Proved, parts: &[Piece]) -> Option<(Mesh, Proved)> {
         let own: Vec<&Piece> = group.members.iter().map(|&m| &parts[m as usize]).collect();
-        let mut slim = self.slim * self.judge.epsilon;
-        let least = 0.1 * slim;
-        while exact.vertices.len() > FEW && slim > 0.0 && slim >= least {
+        if exact.vertices.len() <= FEW {
+            return None;
+        }
+        let tried = if exact.vertices.len() > MANY { 4 } else { 2 };
+        for share in &REACHES[..tried] {
+            let slim = share * self.slim * self.judge.epsilon;
+            if slim <= 0.0 {
+                return None;
+            }
             let simple = simplify_within(exact, self.working.input_length(slim)).ok()?;
             if simple.vertices.len() < exact.vertices.len() {
                 let hull = self.image(&simple).ok()?;
@@ -197,7 +208,6 @@ impl Finish<'_> {
                     ));
                 }
             }
-            slim *= 0.3;
         }
         None
     }
