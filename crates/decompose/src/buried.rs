@@ -62,7 +62,7 @@ fn middles([a, b, c]: [DVec3; 3], rows: u32) -> impl Iterator<Item = DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use assetpipe_geometry::hull::convex_hull;
+    use crate::shapes::cuboid;
 
     #[test]
     fn triangles_are_divided_evenly() {
@@ -77,10 +77,7 @@ mod tests {
 
     #[test]
     fn only_what_is_deep_counts_and_by_its_area() {
-        let cube: Vec<DVec3> = (0..8u32)
-            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
-            .collect();
-        let hull = convex_hull(&cube).unwrap();
+        let hull = cuboid(DVec3::ZERO, DVec3::ONE);
         // A square in the middle plane: the inner 0.6 × 0.6 of it is deeper than 0.2.
         let square = Piece {
             points: [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]

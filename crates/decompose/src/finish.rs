@@ -236,3 +236,57 @@ impl Finish<'_> {
         convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::concavity::Limits;
+    use crate::shapes::ball;
+    use assetpipe_geometry::distance::SolidIndex;
+    use glam::DMat3;
+
+    /// The vertices of a fine ball's hull, and of what is left of it where hulls may reach `slim`
+    /// ε outward before they are proved.
+    fn slimmed(slim: f64) -> (usize, usize) {
+        let (working, solid) = Working::new(&ball(3), DMat3::IDENTITY);
+        let index = SolidIndex::new(&solid);
+        let limits = Limits::default();
+        let epsilon = 0.05;
+        let gap = Gap {
+            relative: 0.05,
+            absolute: 1e-3,
+        };
+        let finish = Finish {
+            working: &working,
+            judge: Judge {
+                solid: &index,
+                metric: Metric::Thickening,
+                epsilon,
+                limits: &limits,
+            },
+            slim,
+            gap,
+            cells: 1000,
+            most_vertices: 0,
+        };
+        let group = Proved {
+            hull: convex_hull(&solid.vertices).unwrap(),
+            thickening: Interval::exactly(0.0),
+            members: vec![0],
+        };
+        let exact = group.hull.vertices.len();
+        let (mesh, proved, _) = finish.run(&group, &[Piece::from(&solid)]).unwrap();
+        assert!(proved.thickening.upper <= epsilon);
+        (exact, mesh.vertices.len())
+    }
+
+    #[test]
+    fn hulls_of_many_vertices_are_simplified_by_less_where_the_proof_refuses_more() {
+        // Three tenths of it, the last that a hull of few vertices tries, are still 6 ε.
+        let (exact, left) = slimmed(20.0);
+        assert!(exact > MANY);
+        assert!(left < exact, "{left} of {exact}");
+        // With fifty times the reach none of the shares is proved.
+        assert_eq!(slimmed(1000.0), (exact, exact));
+    }
+}

@@ -116,14 +116,21 @@ pub fn torus(r: f64, n: usize, m: usize) -> Mesh {
     weld(&faces)
 }
 
-/// Both meshes in one.
+/// Surfaces put together as they are: shells may overlap or be cavities.
+pub fn together(meshes: &[Mesh]) -> Mesh {
+    let mut all = Mesh::default();
+    for mesh in meshes {
+        let shift = all.vertices.len() as u32;
+        all.vertices.extend(&mesh.vertices);
+        all.triangles
+            .extend(mesh.triangles.iter().map(|t| t.map(|v| v + shift)));
+    }
+    all
+}
+
+/// As [`together`], of two.
 pub fn both(a: &Mesh, b: &Mesh) -> Mesh {
-    let n = a.vertices.len() as u32;
-    let mut out = a.clone();
-    out.vertices.extend(&b.vertices);
-    out.triangles
-        .extend(b.triangles.iter().map(|t| t.map(|i| i + n)));
-    out
+    together(&[a.clone(), b.clone()])
 }
 
 /// Inside out.

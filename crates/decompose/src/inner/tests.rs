@@ -8,19 +8,7 @@ use glam::DVec3;
 use super::cover::{inner_polytopes, InnerSettings};
 use super::proof::is_inside;
 use crate::control::Control;
-use crate::shapes::{cuboid, reversed};
-
-/// Surfaces put together as they are: shells may overlap or be cavities.
-fn together(meshes: &[Mesh]) -> Mesh {
-    let mut all = Mesh::default();
-    for mesh in meshes {
-        let shift = all.vertices.len() as u32;
-        all.vertices.extend(&mesh.vertices);
-        all.triangles
-            .extend(mesh.triangles.iter().map(|t| t.map(|v| v + shift)));
-    }
-    all
-}
+use crate::shapes::{cuboid, reversed, together};
 
 #[test]
 fn touching_from_inside_is_inside_and_a_last_digit_beyond_is_not() {

@@ -1,19 +1,8 @@
 use super::*;
 use crate::convex::check_closed;
 use crate::merge::volume;
-use crate::shapes::{cuboid, reversed};
+use crate::shapes::{cuboid, reversed, together};
 use glam::DVec3;
-
-fn together(parts: &[Mesh]) -> Mesh {
-    let mut all = Mesh::default();
-    for part in parts {
-        let base = all.vertices.len() as u32;
-        all.vertices.extend(&part.vertices);
-        all.triangles
-            .extend(part.triangles.iter().map(|t| t.map(|v| v + base)));
-    }
-    all
-}
 
 /// Two plates with a gap between them.
 fn plates(gap: f64) -> Mesh {

@@ -48,6 +48,12 @@ pub(super) fn contract(
     Some((bounds, start..list.len()))
 }
 
+/// The largest of `normal · p` over the points p of a box.
+pub(super) fn highest(normal: DVec3, bounds: &Bounds) -> f64 {
+    let half = (bounds.hi - bounds.lo) * 0.5;
+    normal.dot(bounds.centre()) + normal.abs().dot(half)
+}
+
 /// The eight corners of a box.
 fn box_corners(bounds: &Bounds) -> [DVec3; 8] {
     let pick = |bit: bool, lo: f64, hi: f64| if bit { hi } else { lo };
@@ -108,13 +114,10 @@ impl Polytope {
         self.bounds = bounds;
         self.spaces.clear();
         self.spaces.extend(spaces);
-        let (centre, half) = (bounds.centre(), (bounds.hi - bounds.lo) * 0.5);
+        let room = |s: &HalfSpace| s.offset - highest(s.normal, &bounds);
         self.order.clear();
         self.order
-            .extend(self.spaces.iter().enumerate().map(|(k, s)| {
-                let most = s.normal.dot(centre) + s.normal.abs().dot(half);
-                (s.offset - most, k)
-            }));
+            .extend(self.spaces.iter().enumerate().map(|(k, s)| (room(s), k)));
         self.order
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }

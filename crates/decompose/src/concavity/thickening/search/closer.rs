@@ -6,7 +6,7 @@ use assetpipe_geometry::bvh::Bounds;
 use assetpipe_geometry::distance::HalfSpace;
 use assetpipe_geometry::DVec3;
 
-use super::super::cell::{Polytope, CUTS};
+use super::super::cell::{highest, Polytope, CUTS};
 use super::super::enclosed::Blocked;
 use super::{Cell, Search, Side, MARGIN};
 use crate::concavity::goal::Goal;
@@ -50,13 +50,7 @@ impl Search<'_> {
         let is_fine = matches!(self.goal, Goal::Measure { gap } if gap.relative < FINE);
         let most = if is_fine { DEEPER * target } else { target };
         let mut cell = std::mem::take(&mut self.cell);
-        let (centre, half) = (
-            seen.bounds.centre(),
-            (seen.bounds.hi - seen.bounds.lo) * 0.5,
-        );
-        let touches = |s: &&HalfSpace| {
-            s.normal.dot(centre) + s.normal.abs().dot(half) > s.offset - self.slack
-        };
+        let touches = |s: &&HalfSpace| highest(s.normal, &seen.bounds) > s.offset - self.slack;
         let cuts = self.planes[planes.clone()].iter();
         let cuts = cuts.map(|i| self.body.half_spaces()[*i as usize]);
         let flats = self.flats.iter().filter(touches).copied();
@@ -98,8 +92,7 @@ impl Search<'_> {
             lo: seen.bounds.lo - more,
             hi: seen.bounds.hi + more,
         };
-        let (centre, half) = (bounds.centre(), (bounds.hi - bounds.lo) * 0.5);
-        let cuts = |s: &&HalfSpace| s.normal.dot(centre) + s.normal.abs().dot(half) > s.offset;
+        let cuts = |s: &&HalfSpace| highest(s.normal, &bounds) > s.offset;
         let mut wide = std::mem::take(&mut self.wide);
         wide.set(bounds, self.body.half_spaces().iter().filter(cuts).copied());
         wide.find_corners(FEW_CUTS, margin);
