@@ -282,11 +282,19 @@ fn concave(
     let finished = finished(&finish, &cover, control)?;
     control.go_on()?;
     let leaves = finished.len();
-    let nodes = build(&finish, finished)?;
+    // Each step to a coarser level depends on the one before it; threads that wait for that have
+    // the concavities to do.
+    let (nodes, concavities) = rayon::join(
+        || build(&finish, finished.clone()),
+        || concavities(&finish, &finished, &cover),
+    );
+    let (nodes, concavities) = (nodes?, concavities?);
     control.go_on()?;
+    let known = concavities.into_iter().map(Some);
     let hulls = nodes
         .into_iter()
-        .map(|node| output(&working, node))
+        .zip(known.chain(std::iter::repeat(None)))
+        .map(|(node, concavity)| output(&working, node, concavity))
         .collect();
     control.report(1.0);
     Ok((Decomposition { hulls, leaves }, Some((working, cover))))
@@ -298,7 +306,7 @@ fn finished(
     finish: &Finish<'_>,
     cover: &Cover,
     control: &Control,
-) -> Result<Vec<(Mesh, Proved, Option<Interval>)>, DecomposeError> {
+) -> Result<Vec<(Mesh, Proved)>, DecomposeError> {
     let points = |hull: &Proved| -> usize {
         let parts = hull.members.iter().map(|&m| &cover.parts[m as usize]);
         parts.map(|part| part.points.len()).sum()
@@ -321,6 +329,18 @@ fn finished(
         .collect::<Result<Vec<_>, DecomposeError>>()?;
     done.sort_unstable_by_key(|d| d.0);
     Ok(done.into_iter().map(|d| d.1).collect())
+}
+
+/// The concavities of finished hulls.
+fn concavities(
+    finish: &Finish<'_>,
+    finished: &[(Mesh, Proved)],
+    cover: &Cover,
+) -> Result<Vec<Interval>, DecomposeError> {
+    let finished = finished.par_iter().with_max_len(1);
+    finished
+        .map(|(_, proved)| finish.concavity(proved, &cover.parts))
+        .collect()
 }
 
 /// The cover of the search or of the outline, if the solid is one extruded: with the fewest
@@ -360,20 +380,17 @@ fn flat(error: HullError) -> DecomposeError {
     }
 }
 
-fn output(working: &Working, node: Node) -> Hull {
+fn output(working: &Working, node: Node, concavity: Option<Interval>) -> Hull {
     let out = |x: f64| working.input_length(x);
-    let Interval { lower, upper } = node.proved.thickening;
+    let widened = |bounds: Interval| Interval {
+        lower: (out(bounds.lower) - 2.0 * working.rounding()).max(0.0),
+        upper: out(bounds.upper) + 2.0 * working.rounding(),
+    };
     Hull {
         volume: volume(&node.mesh),
         mesh: node.mesh,
-        thickening: Interval {
-            lower: (out(lower) - 2.0 * working.rounding()).max(0.0),
-            upper: out(upper) + 2.0 * working.rounding(),
-        },
-        concavity: node.concavity.map(|c| Interval {
-            lower: (out(c.lower) - 2.0 * working.rounding()).max(0.0),
-            upper: out(c.upper) + 2.0 * working.rounding(),
-        }),
+        thickening: widened(node.proved.thickening),
+        concavity: concavity.map(widened),
         children: node.children,
     }
 }

@@ -53,32 +53,34 @@ impl Finish<'_> {
     ///
     /// # Errors
     /// [`DecomposeError::Internal`] for a hull that has no volume.
-    pub fn run(
-        &self,
-        group: &Proved,
-        parts: &[Piece],
-    ) -> Result<(Mesh, Proved, Option<Interval>), DecomposeError> {
+    pub fn run(&self, group: &Proved, parts: &[Piece]) -> Result<(Mesh, Proved), DecomposeError> {
         self.judge.go_on()?;
         let (mesh, proved) = self.hull(group, parts)?;
         self.judge.go_on()?;
         let (mesh, mut proved) = self.clear(mesh, proved, parts)?;
-        let limits = Limits {
-            cells: self.cells,
-            ..*self.judge.limits
-        };
         let Interval { lower, upper } = proved.thickening;
         if upper > self.gap.upper(lower) {
+            let limits = self.limits();
             let found = bounds_above(self.judge.solid, &proved.hull, lower, self.gap, &limits);
             proved.thickening = Interval {
                 lower: found.lower,
                 upper: found.upper.min(upper).max(found.lower),
             };
         }
-        let own: Vec<&Piece> = group.members.iter().map(|&m| &parts[m as usize]).collect();
+        Ok((mesh, proved))
+    }
+
+    /// Eq. 4 of a hull that [`Finish::run`] gave, towards its part.
+    ///
+    /// # Errors
+    /// [`DecomposeError::Cancelled`].
+    pub fn concavity(&self, proved: &Proved, parts: &[Piece]) -> Result<Interval, DecomposeError> {
+        self.judge.go_on()?;
+        let own: Vec<&Piece> = proved.members.iter().map(|&m| &parts[m as usize]).collect();
         let known = proved.thickening.lower;
-        let mut concavity = self
-            .judge
-            .concavity(&proved.hull, &own, known, self.gap, &limits);
+        let mut concavity =
+            self.judge
+                .concavity(&proved.hull, &own, known, self.gap, &self.limits());
         // Bounds give up earlier than the proof of acceptance, which holds all the same.
         let epsilon = self.judge.epsilon;
         if self.judge.metric == Metric::Concavity
@@ -87,7 +89,15 @@ impl Finish<'_> {
         {
             concavity.upper = epsilon.max(concavity.lower);
         }
-        Ok((mesh, proved, Some(concavity)))
+        Ok(concavity)
+    }
+
+    /// What each bound may cost.
+    fn limits(&self) -> Limits<'_> {
+        Limits {
+            cells: self.cells,
+            ..*self.judge.limits
+        }
     }
 
     /// The hull and its working copy, proved.
@@ -234,59 +244,5 @@ impl Finish<'_> {
             .map(|&p| self.working.work(p))
             .collect();
         convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::concavity::Limits;
-    use crate::shapes::ball;
-    use assetpipe_geometry::distance::SolidIndex;
-    use glam::DMat3;
-
-    /// The vertices of a fine ball's hull, and of what is left of it where hulls may reach `slim`
-    /// ε outward before they are proved.
-    fn slimmed(slim: f64) -> (usize, usize) {
-        let (working, solid) = Working::new(&ball(3), DMat3::IDENTITY);
-        let index = SolidIndex::new(&solid);
-        let limits = Limits::default();
-        let epsilon = 0.05;
-        let gap = Gap {
-            relative: 0.05,
-            absolute: 1e-3,
-        };
-        let finish = Finish {
-            working: &working,
-            judge: Judge {
-                solid: &index,
-                metric: Metric::Thickening,
-                epsilon,
-                limits: &limits,
-            },
-            slim,
-            gap,
-            cells: 1000,
-            most_vertices: 0,
-        };
-        let group = Proved {
-            hull: convex_hull(&solid.vertices).unwrap(),
-            thickening: Interval::exactly(0.0),
-            members: vec![0],
-        };
-        let exact = group.hull.vertices.len();
-        let (mesh, proved, _) = finish.run(&group, &[Piece::from(&solid)]).unwrap();
-        assert!(proved.thickening.upper <= epsilon);
-        (exact, mesh.vertices.len())
-    }
-
-    #[test]
-    fn hulls_of_many_vertices_are_simplified_by_less_where_the_proof_refuses_more() {
-        // Three tenths of it, the last that a hull of few vertices tries, are still 6 ε.
-        let (exact, left) = slimmed(20.0);
-        assert!(exact > MANY);
-        assert!(left < exact, "{left} of {exact}");
-        // With fifty times the reach none of the shares is proved.
-        assert_eq!(slimmed(1000.0), (exact, exact));
     }
 }

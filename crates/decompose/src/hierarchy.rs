@@ -5,8 +5,7 @@
 //! computing again (Lien & Amato 2006, §1). Hulls nest, so a parent's
 //! thickening is never below its children's.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::sync::Arc;
 
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::convex_hull;
@@ -14,10 +13,10 @@ use assetpipe_geometry::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::ahead::ahead;
+use crate::ahead::{in_turn, shared_out, Ahead, Dropped, Order, Pair, Turns};
 use crate::between::Tips;
 use crate::concavity::thickening::bounds_above;
-use crate::concavity::{Gap, Interval, Limits};
+use crate::concavity::{Gap, Limits};
 use crate::error::DecomposeError;
 use crate::finish::Finish;
 use crate::merge::Proved;
@@ -36,69 +35,6 @@ fn coarse<'a>(finish: &Finish<'a>) -> (Gap, Limits<'a>) {
     (gap, limits)
 }
 
-/// Pairs that are looked at for one that can be joined ahead of its turn.
-const LOOK_AHEAD: usize = 8;
-
-/// The bits of an estimate, and the pair that it is of.
-type Turn = (u64, u32, u32);
-
-/// Pairs by their estimates. Most pairs never have their turn, so they wait with a first glance,
-/// which is never above the estimate, and are estimated when they would be next.
-struct Queue<'a> {
-    solid: &'a SolidIndex,
-    waiting: BinaryHeap<Reverse<(Turn, Look)>>,
-}
-
-/// What the number of a pair in the queue is.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Look {
-    Glance,
-    Estimate,
-}
-
-impl Queue<'_> {
-    /// Add pairs of nodes.
-    fn add(
-        &mut self,
-        nodes: &[Node],
-        tips: &[Tips],
-        pairs: impl ParallelIterator<Item = [usize; 2]>,
-    ) {
-        let solid = self.solid;
-        let lower = |k: usize| nodes[k].proved.thickening.lower;
-        self.waiting.par_extend(pairs.map(|[i, j]| {
-            let glance = tips[i].glance(&tips[j], solid);
-            let known = lower(i).max(lower(j)).max(glance);
-            Reverse(((known.to_bits(), i as u32, j as u32), Look::Glance))
-        }));
-    }
-
-    /// The pair of nodes that stand whose turn is next.
-    fn next(&mut self, tips: &[Tips], open: &[bool]) -> Option<Turn> {
-        while let Some(Reverse((turn, look))) = self.waiting.pop() {
-            let (bits, i, j) = turn;
-            if !open[i as usize] || !open[j as usize] {
-                continue;
-            }
-            if look == Look::Estimate {
-                return Some(turn);
-            }
-            let (a, b) = (&tips[i as usize], &tips[j as usize]);
-            let estimate = a.thickening(b, self.solid, f64::from_bits(bits));
-            self.again([(estimate.to_bits(), i, j)]);
-        }
-        None
-    }
-
-    /// Let pairs that were taken wait again.
-    fn again(&mut self, turns: impl IntoIterator<Item = Turn>) {
-        let waiting = turns
-            .into_iter()
-            .map(|turn| Reverse((turn, Look::Estimate)));
-        self.waiting.extend(waiting);
-    }
-}
-
 /// A node: a leaf, or the hull of two earlier nodes.
 #[derive(Clone, Debug)]
 pub struct Node {
@@ -106,8 +42,6 @@ pub struct Node {
     pub mesh: Mesh,
     /// Its working copy with the bound.
     pub proved: Proved,
-    /// Its concavity towards its part, for leaves.
-    pub concavity: Option<Interval>,
     /// Indices of the two nodes it replaces.
     pub children: Option<[u32; 2]>,
 }
@@ -118,97 +52,216 @@ pub struct Node {
 /// [`DecomposeError::Internal`] for hulls without volume.
 pub fn build(
     finish: &Finish<'_>,
-    leaves: Vec<(Mesh, Proved, Option<Interval>)>,
+    leaves: Vec<(Mesh, Proved)>,
 ) -> Result<Vec<Node>, DecomposeError> {
-    let mut nodes: Vec<Node> = leaves
-        .into_iter()
-        .map(|(mesh, proved, concavity)| Node {
-            mesh,
-            proved,
-            concavity,
-            children: None,
+    let standing: Vec<Arc<Standing>> = leaves
+        .into_par_iter()
+        .map(|(mesh, proved)| {
+            Arc::new(Standing::new(Node {
+                mesh,
+                proved,
+                children: None,
+            }))
         })
         .collect();
-    let mut tips: Vec<Tips> = nodes.par_iter().map(|n| Tips::of(&n.proved.hull)).collect();
-    let mut open: Vec<bool> = vec![true; nodes.len()];
-    let mut queue = Queue {
-        solid: finish.judge.solid,
-        waiting: BinaryHeap::new(),
+    let first: Vec<Turn> = (0..standing.len())
+        .into_par_iter()
+        .flat_map_iter(|j| (0..j).map(move |i| [i, j]))
+        .map(|[i, j]| {
+            glance(
+                finish.judge.solid,
+                [(i as u32, &standing[i]), (j as u32, &standing[j])],
+            )
+        })
+        .collect();
+    let mut levels = Levels {
+        finish,
+        open: vec![true; standing.len()],
+        nodes: standing,
+        order: Order::new(Ahead::Apart),
+        unseen: Vec::new(),
+        glancing: 0,
+        failed: None,
     };
-    let pairs = (0..nodes.len()).into_par_iter();
-    queue.add(
-        &nodes,
-        &tips,
-        pairs.flat_map_iter(|j| (0..j).map(move |i| [i, j])),
-    );
-    // Joined ahead of their turn.
-    let mut ready: BTreeMap<(u32, u32), Node> = BTreeMap::new();
-    while let Some(turn) = queue.next(&tips, &open) {
-        finish.judge.go_on()?;
-        let (_, i, j) = turn;
-        let known = ready.remove(&(i, j));
-        let node = if let Some(node) = known {
-            node
-        } else {
-            let mut turns = vec![turn];
-            turns.extend(likely(&mut queue, turn, &tips, &open));
-            let mut made = turns
-                .par_iter()
-                .with_max_len(1)
-                .map(|&(bits, i, j)| join(finish, &nodes, [i, j], f64::from_bits(bits)))
-                .collect::<Result<Vec<_>, _>>()?
-                .into_iter();
-            let Some(node) = made.next() else { break };
-            ready.extend(turns[1..].iter().map(|t| (t.1, t.2)).zip(made));
-            node
-        };
-        open[i as usize] = false;
-        open[j as usize] = false;
-        ready.retain(|&(i, j), _| open[i as usize] && open[j as usize]);
-        let new = nodes.len();
-        tips.push(Tips::of(&node.proved.hull));
-        nodes.push(node);
-        let others: Vec<usize> = (0..new).filter(|&k| open[k]).collect();
-        queue.add(
-            &nodes,
-            &tips,
-            others.into_par_iter().map(|other| [other, new]),
-        );
-        open.push(true);
+    for turn in first {
+        levels.order.push((turn, Look::Glance), ());
     }
-    Ok(nodes)
+    let levels = in_turn(levels, |task| run(finish, task));
+    finish.judge.go_on()?;
+    if let Some(error) = levels.failed {
+        return Err(error);
+    }
+    let nodes = levels.nodes.into_iter();
+    Ok(nodes.map(|n| Arc::unwrap_or_clone(n).node).collect())
 }
 
-/// Pairs that will most likely have their turn soon, whatever becomes of the one whose turn it is.
-fn likely(queue: &mut Queue<'_>, turn: Turn, tips: &[Tips], open: &[bool]) -> Vec<Turn> {
-    let count = ahead();
-    let mut seen = Vec::new();
-    let mut found: Vec<Turn> = Vec::new();
-    while found.len() < count && seen.len() < LOOK_AHEAD * count {
-        let Some(next) = queue.next(tips, open) else {
-            break;
-        };
-        let taken = |k: u32| {
-            let of = |t: &Turn| t.1 == k || t.2 == k;
-            of(&turn) || found.iter().any(of)
-        };
-        if !taken(next.1) && !taken(next.2) {
-            found.push(next);
-        }
-        seen.push(next);
+/// The bits of an estimate, and the pair that it is of.
+type Turn = (u64, u32, u32);
+
+/// What the number of a pair is. Most pairs never have their turn, so they wait with a first
+/// glance, which is never above the estimate, and are estimated when they would be next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Look {
+    Glance,
+    Estimate,
+}
+
+impl Pair for (Turn, Look) {
+    fn pair(&self) -> [u32; 2] {
+        [self.0 .1, self.0 .2]
     }
-    queue.again(seen);
-    found
+}
+
+/// A node with what is asked of it again and again.
+#[derive(Clone)]
+struct Standing {
+    node: Node,
+    tips: Tips,
+}
+
+impl Standing {
+    fn new(node: Node) -> Standing {
+        Standing {
+            tips: Tips::of(&node.proved.hull),
+            node,
+        }
+    }
+}
+
+/// What is worked on by itself.
+enum Task {
+    /// Glance at the pairs of the first node with the others.
+    Glance(Vec<(u32, Arc<Standing>)>),
+    /// Estimate a pair.
+    Estimate(Turn, [Arc<Standing>; 2]),
+    /// Join it, unless that is not asked any more.
+    Join(Turn, [Arc<Standing>; 2], Dropped),
+}
+
+/// What came of it.
+enum Done {
+    Glanced(Vec<Turn>),
+    /// Before and after.
+    Estimated(Turn, Turn),
+    Joined(Turn, Result<Arc<Standing>, DecomposeError>),
+}
+
+fn run(finish: &Finish<'_>, task: Task) -> Done {
+    let solid = finish.judge.solid;
+    match task {
+        Task::Glance(nodes) => {
+            let Some(((new, node), others)) = nodes.split_first() else {
+                return Done::Glanced(Vec::new());
+            };
+            let others = others.iter();
+            let turns = others.map(|(i, other)| glance(solid, [(*i, other), (*new, node)]));
+            Done::Glanced(turns.collect())
+        }
+        Task::Estimate(turn, [a, b]) => {
+            let (bits, i, j) = turn;
+            let estimate = a.tips.thickening(&b.tips, solid, f64::from_bits(bits));
+            Done::Estimated(turn, (estimate.to_bits(), i, j))
+        }
+        Task::Join(turn, nodes, dropped) => {
+            let node = join(finish, turn, &nodes, &dropped);
+            Done::Joined(turn, node.map(|node| Arc::new(Standing::new(node))))
+        }
+    }
+}
+
+/// A pair with a first glance at it.
+fn glance(solid: &SolidIndex, [(i, a), (j, b)]: [(u32, &Arc<Standing>); 2]) -> Turn {
+    let lower = |s: &Standing| s.node.proved.thickening.lower;
+    let known = lower(a).max(lower(b)).max(a.tips.glance(&b.tips, solid));
+    (known.to_bits(), i, j)
+}
+
+/// Nodes, and pairs of them in the order of their turns.
+struct Levels<'a> {
+    finish: &'a Finish<'a>,
+    nodes: Vec<Arc<Standing>>,
+    /// Which of them have no parent yet.
+    open: Vec<bool>,
+    order: Order<(Turn, Look), (), Arc<Standing>>,
+    /// Nodes that are still to be glanced at with another.
+    unseen: Vec<Vec<(u32, Arc<Standing>)>>,
+    /// How many of these come before anything has its turn.
+    glancing: usize,
+    failed: Option<DecomposeError>,
+}
+
+impl Turns for Levels<'_> {
+    type Task = Task;
+    type Done = Done;
+
+    fn next(&mut self) -> Option<Task> {
+        if self.failed.is_some() || (self.finish.judge.limits.cancelled)() {
+            return None;
+        }
+        while self.glancing == 0 {
+            let Some((key, node)) = self.order.settle() else {
+                break;
+            };
+            self.stand(key, node);
+        }
+        if let Some(nodes) = self.unseen.pop() {
+            return Some(Task::Glance(nodes));
+        }
+        let (key, (), dropped) = self.order.ask()?;
+        let pair = key.pair().map(|k| self.nodes[k as usize].clone());
+        let (turn, look) = key;
+        Some(match look {
+            Look::Glance => Task::Estimate(turn, pair),
+            Look::Estimate => Task::Join(turn, pair, dropped),
+        })
+    }
+
+    fn take(&mut self, done: Done) {
+        match done {
+            Done::Glanced(turns) => {
+                self.glancing -= 1;
+                for turn in turns {
+                    self.order.push((turn, Look::Glance), ());
+                }
+            }
+            Done::Estimated(before, after) => {
+                let (before, after) = ((before, Look::Glance), (after, Look::Estimate));
+                self.order.again(before, after, ());
+            }
+            Done::Joined(turn, Ok(node)) => self.order.answer((turn, Look::Estimate), node),
+            Done::Joined(_, Err(error)) => self.failed = Some(error),
+        }
+    }
+}
+
+impl Levels<'_> {
+    /// Let a new node stand for two.
+    fn stand(&mut self, key: (Turn, Look), node: Arc<Standing>) {
+        for k in key.pair() {
+            self.open[k as usize] = false;
+        }
+        self.order.retire(&key);
+        let others: Vec<(u32, Arc<Standing>)> = (0u32..)
+            .zip(&self.nodes)
+            .filter(|(k, _)| self.open[*k as usize])
+            .map(|(k, node)| (k, node.clone()))
+            .collect();
+        self.unseen = shared_out(&(self.nodes.len() as u32, node.clone()), &others);
+        self.glancing = self.unseen.len();
+        self.nodes.push(node);
+        self.open.push(true);
+    }
 }
 
 /// The joined hull with its bound.
 fn join(
     finish: &Finish<'_>,
-    nodes: &[Node],
-    children: [u32; 2],
-    estimate: f64,
+    (bits, i, j): Turn,
+    nodes: &[Arc<Standing>; 2],
+    dropped: &Dropped,
 ) -> Result<Node, DecomposeError> {
-    let [a, b] = children.map(|c| &nodes[c as usize]);
+    let [a, b] = [&nodes[0].node, &nodes[1].node];
+    let estimate = f64::from_bits(bits);
     let points: Vec<DVec3> = a
         .mesh
         .vertices
@@ -225,6 +278,11 @@ fn join(
         .max(a.proved.thickening.lower)
         .max(b.proved.thickening.lower);
     let (gap, limits) = coarse(finish);
+    let cancelled = || (limits.cancelled)() || dropped.is_dropped();
+    let limits = Limits {
+        cancelled: &cancelled,
+        ..limits
+    };
     let thickening = bounds_above(finish.judge.solid, &hull, known, gap, &limits);
     let mut members: Vec<u32> = a
         .proved
@@ -241,7 +299,6 @@ fn join(
             thickening,
             members,
         },
-        concavity: None,
-        children: Some(children),
+        children: Some([i, j]),
     })
 }

@@ -1,16 +1,15 @@
 //! §6.5: put parts together again where the proof allows it.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use assetpipe_geometry::hull::convex_hull;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::ahead::ahead;
+use crate::ahead::{in_turn, shared_out, Ahead, Dropped, Order, Pair, Turns};
 use crate::between::Tips;
-use crate::concavity::{Decision, Interval};
+use crate::concavity::{Decision, Interval, Limits};
 use crate::even;
 use crate::judge::Judge;
 use crate::search::piece::Piece;
@@ -61,8 +60,8 @@ pub fn half_spaces(hull: &Mesh) -> Vec<(DVec3, f64)> {
         .collect()
 }
 
-/// Vertices of joined hulls that are kept until their turn; beyond that they are made again.
-const KEPT: usize = 1 << 20;
+/// Pairs whose joined hulls are kept until their turn; beyond that they are made again.
+const KEPT: usize = 1 << 15;
 
 /// Merge pairs, cheapest added volume first, for as long as a merged hull is
 /// proved to stay within ε. `witnesses` are known points farther than ε from
@@ -77,22 +76,41 @@ pub fn merge(
     order: MergeOrder,
     witnesses: &mut Vec<DVec3>,
 ) -> Vec<Proved> {
-    let mut merging = Merging {
+    let test = Test {
         judge,
         pieces,
         order,
-        slots: parts.into_par_iter().map(Slot::new).map(Some).collect(),
-        queue: BinaryHeap::new(),
-        known: BTreeMap::new(),
-        kept: 0,
-        witnesses,
+        witnesses: RwLock::new(std::mem::take(witnesses)),
     };
-    merging.run();
-    let left = merging.slots.into_iter().flatten();
-    left.map(|slot| slot.proved).collect()
+    let slots: Vec<Arc<Slot>> = parts
+        .into_par_iter()
+        .map(|part| Arc::new(Slot::new(part)))
+        .collect();
+    let priced: Vec<(Turn, Mesh)> = (0..slots.len())
+        .into_par_iter()
+        .flat_map_iter(|j| (0..j).map(move |i| [i, j]))
+        .filter_map(|[i, j]| test.price([(i as u32, &slots[i]), (j as u32, &slots[j])]))
+        .collect();
+    let mut merging = Merging {
+        test: &test,
+        slots: slots.into_iter().map(Some).collect(),
+        order: Order::new(Ahead::Any),
+        unpriced: Vec::new(),
+        pricing: 0,
+    };
+    merging.put(priced);
+    let merged = in_turn(merging, |task| test.run(task));
+    let left = merged.slots.into_iter().flatten();
+    let left = left.map(|slot| Arc::unwrap_or_clone(slot).proved).collect();
+    *witnesses = test
+        .witnesses
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    left
 }
 
 /// A hull that still stands, with what is asked of it again and again.
+#[derive(Clone)]
 struct Slot {
     proved: Proved,
     volume: f64,
@@ -114,56 +132,55 @@ impl Slot {
 /// The bits of the price of a pair of slots, and the pair.
 type Turn = (u64, u32, u32);
 
-/// A pair whose turn it may be.
-struct Candidate {
-    turn: Turn,
-    hull: Mesh,
-    /// Whether the hull may stand, where that was looked at ahead of its turn.
-    decision: Option<Decision>,
+impl Pair for Turn {
+    fn pair(&self) -> [u32; 2] {
+        [self.1, self.2]
+    }
 }
 
-struct Merging<'a> {
+/// What is worked on by itself.
+enum Task {
+    /// Whether the hull of a pair, if it was kept, may stand for these parts.
+    Decide(Turn, [Arc<Slot>; 2], Option<Mesh>, Dropped),
+    /// Price the pairs of the first slot with the others.
+    Price(Vec<(u32, Arc<Slot>)>),
+}
+
+/// What came of it.
+enum Done {
+    /// The hull that may stand.
+    Decided(Turn, Option<Proved>),
+    Priced(Vec<(Turn, Mesh)>),
+}
+
+/// What is asked about pairs.
+struct Test<'a> {
     judge: &'a Judge<'a>,
     pieces: &'a [Piece],
     order: MergeOrder,
-    slots: Vec<Option<Slot>>,
-    queue: BinaryHeap<Reverse<Turn>>,
-    /// Hulls of pairs in the queue, and what was decided about them.
-    known: BTreeMap<(u32, u32), (Mesh, Option<Decision>)>,
-    /// Vertices in `known`.
-    kept: usize,
-    witnesses: &'a mut Vec<DVec3>,
+    witnesses: RwLock<Vec<DVec3>>,
 }
 
-impl Merging<'_> {
-    fn run(&mut self) {
-        let this = &*self;
-        let priced: Vec<Candidate> = (0..self.slots.len() as u32)
-            .into_par_iter()
-            .flat_map_iter(|j| (0..j).filter_map(move |i| this.price(i, j)))
-            .collect();
-        self.put(priced);
-        loop {
-            let mut next = self.take(1 + ahead());
-            if next.is_empty() || (self.judge.limits.cancelled)() {
-                return;
+impl Test<'_> {
+    fn run(&self, task: Task) -> Done {
+        match task {
+            Task::Decide(turn, pair, hull, dropped) => {
+                Done::Decided(turn, self.decide(&pair, hull, &dropped))
             }
-            let this = &*self;
-            next.par_iter_mut()
-                .with_max_len(1)
-                .filter(|c| c.decision.is_none())
-                .for_each(|c| c.decision = this.decide(c));
-            self.settle(next);
+            Task::Price(slots) => {
+                let Some(((new, slot), others)) = slots.split_first() else {
+                    return Done::Priced(Vec::new());
+                };
+                let others = others.iter();
+                let priced =
+                    others.filter_map(|(i, other)| self.price([(*i, other), (*new, slot)]));
+                Done::Priced(priced.collect())
+            }
         }
     }
 
-    fn slot(&self, i: u32) -> Option<&Slot> {
-        self.slots[i as usize].as_ref()
-    }
-
-    /// A pair as a candidate, unless it is seen at once that its hull may not stand.
-    fn price(&self, i: u32, j: u32) -> Option<Candidate> {
-        let (a, b) = (self.slot(i)?, self.slot(j)?);
+    /// The turn of a pair and its hull, unless it is seen at once that it may not stand.
+    fn price(&self, [(i, a), (j, b)]: [(u32, &Arc<Slot>); 2]) -> Option<(Turn, Mesh)> {
         let gap = (a.bounds.0 - b.bounds.1)
             .max(b.bounds.0 - a.bounds.1)
             .max(DVec3::ZERO);
@@ -175,7 +192,7 @@ impl Merging<'_> {
             return None;
         }
         let hull = joined(a, b)?;
-        if holds_any(&hull, self.witnesses) {
+        if self.is_refused(&hull) {
             return None;
         }
         let added = (volume(&hull) - a.volume - b.volume).max(0.0);
@@ -184,117 +201,135 @@ impl Merging<'_> {
             MergeOrder::Relative => added / (a.volume + b.volume),
             MergeOrder::Smallest => added + a.volume.min(b.volume),
         };
-        Some(Candidate {
-            turn: (even::weight(even::length(key)).to_bits(), i, j),
-            hull,
-            decision: None,
-        })
+        Some(((even::weight(even::length(key)).to_bits(), i, j), hull))
     }
 
-    /// Let candidates wait for their turn.
-    fn put(&mut self, candidates: Vec<Candidate>) {
-        for candidate in candidates {
-            let (_, i, j) = candidate.turn;
-            self.queue.push(Reverse(candidate.turn));
-            if self.kept < KEPT || candidate.decision.is_some() {
-                self.kept += candidate.hull.vertices.len();
-                let known = (candidate.hull, candidate.decision);
-                self.known.insert((i, j), known);
-            }
-        }
-    }
-
-    /// The next candidates whose slots both stand: `count` that are not decided yet, or up to one
-    /// that may be merged.
-    fn take(&mut self, count: usize) -> Vec<Candidate> {
-        let mut next = Vec::new();
-        let mut undecided = 0;
-        while undecided < count {
-            let Some(Reverse(turn)) = self.queue.pop() else {
-                break;
-            };
-            let (_, i, j) = turn;
-            let known = self.known.remove(&(i, j));
-            self.kept -= known.as_ref().map_or(0, |k| k.0.vertices.len());
-            let (Some(a), Some(b)) = (self.slot(i), self.slot(j)) else {
-                continue;
-            };
-            let Some((hull, decision)) = known.or_else(|| Some((joined(a, b)?, None))) else {
-                continue;
-            };
-            undecided += usize::from(decision.is_none());
-            let merges = matches!(decision, Some(Decision::Within(_)));
-            next.push(Candidate {
-                turn,
-                hull,
-                decision,
-            });
-            if merges {
-                break;
-            }
-        }
-        next
-    }
-
-    /// Whether a candidate's hull may stand; `None` if a witness says no.
-    fn decide(&self, candidate: &Candidate) -> Option<Decision> {
-        if holds_any(&candidate.hull, self.witnesses) {
+    /// The hull of a pair, if it may stand.
+    fn decide(
+        &self,
+        pair: &[Arc<Slot>; 2],
+        hull: Option<Mesh>,
+        dropped: &Dropped,
+    ) -> Option<Proved> {
+        let hull = hull.or_else(|| joined(&pair[0], &pair[1]))?;
+        if self.is_refused(&hull) {
             return None;
         }
-        let own: Vec<&Piece> = self
-            .members(candidate.turn)
-            .iter()
-            .map(|&m| &self.pieces[m as usize])
-            .collect();
-        Some(self.judge.decide(&candidate.hull, &own))
-    }
-
-    /// The parts that a joined hull covers.
-    fn members(&self, (_, i, j): Turn) -> Vec<u32> {
-        let both = [i, j].into_iter().filter_map(|k| self.slot(k));
-        let mut members: Vec<u32> = both
-            .flat_map(|slot| slot.proved.members.iter().copied())
-            .collect();
+        let mut members = pair
+            .each_ref()
+            .map(|slot| &slot.proved.members[..])
+            .concat();
         members.sort_unstable();
-        members
+        let own: Vec<&Piece> = members.iter().map(|&m| &self.pieces[m as usize]).collect();
+        let cancelled = || (self.judge.limits.cancelled)() || dropped.is_dropped();
+        let limits = Limits {
+            cancelled: &cancelled,
+            ..*self.judge.limits
+        };
+        let judge = Judge {
+            limits: &limits,
+            ..*self.judge
+        };
+        match judge.decide(&hull, &own) {
+            Decision::Within(thickening) => Some(Proved {
+                hull,
+                thickening,
+                members,
+            }),
+            Decision::Beyond { witness, .. } if judge.metric == Metric::Thickening => {
+                let mut witnesses = self
+                    .witnesses
+                    .write()
+                    .unwrap_or_else(PoisonError::into_inner);
+                witnesses.push(witness);
+                None
+            }
+            _ => None,
+        }
     }
 
-    /// Merge the first of these that may; the others wait again for what comes before them.
-    fn settle(&mut self, candidates: Vec<Candidate>) {
-        let mut candidates = candidates.into_iter();
-        while let Some(Candidate {
-            turn,
-            hull,
-            decision,
-        }) = candidates.next()
-        {
-            match decision {
-                Some(Decision::Within(thickening)) => {
-                    let members = self.members(turn);
-                    let (_, i, j) = turn;
-                    self.slots[i as usize] = None;
-                    self.slots[j as usize] = None;
-                    let new = self.slots.len() as u32;
-                    self.slots.push(Some(Slot::new(Proved {
-                        hull,
-                        thickening,
-                        members,
-                    })));
-                    let this = &*self;
-                    let others = (0..new).into_par_iter();
-                    let priced = others.filter_map(|other| this.price(other, new)).collect();
-                    self.put(priced);
-                    self.put(candidates.collect());
-                    return;
-                }
-                Some(Decision::Beyond { witness, .. })
-                    if self.judge.metric == Metric::Thickening =>
-                {
-                    self.witnesses.push(witness);
-                }
-                _ => {}
+    /// Whether a hull holds a witness.
+    fn is_refused(&self, hull: &Mesh) -> bool {
+        let witnesses = self
+            .witnesses
+            .read()
+            .unwrap_or_else(PoisonError::into_inner);
+        holds_any(hull, &witnesses)
+    }
+}
+
+/// Slots, and pairs of them in the order of their turns.
+struct Merging<'a> {
+    test: &'a Test<'a>,
+    slots: Vec<Option<Arc<Slot>>>,
+    /// With hulls that are kept, and those that may stand.
+    order: Order<Turn, Option<Mesh>, Option<Proved>>,
+    /// Slots that are still to be priced with the first.
+    unpriced: Vec<Vec<(u32, Arc<Slot>)>>,
+    /// How many of these come before anything has its turn.
+    pricing: usize,
+}
+
+impl Turns for Merging<'_> {
+    type Task = Task;
+    type Done = Done;
+
+    fn next(&mut self) -> Option<Task> {
+        if (self.test.judge.limits.cancelled)() {
+            return None;
+        }
+        while self.pricing == 0 {
+            let Some((turn, found)) = self.order.settle() else {
+                break;
+            };
+            if let Some(proved) = found {
+                self.merge(turn, proved);
             }
         }
+        if let Some(slots) = self.unpriced.pop() {
+            return Some(Task::Price(slots));
+        }
+        let (turn, hull, dropped) = self.order.ask()?;
+        let [Some(a), Some(b)] = turn.pair().map(|k| self.slots[k as usize].clone()) else {
+            return None;
+        };
+        Some(Task::Decide(turn, [a, b], hull, dropped))
+    }
+
+    fn take(&mut self, done: Done) {
+        match done {
+            Done::Decided(turn, found) => self.order.answer(turn, found),
+            Done::Priced(pairs) => {
+                self.pricing -= 1;
+                self.put(pairs);
+            }
+        }
+    }
+}
+
+impl Merging<'_> {
+    /// Let pairs wait for their turn.
+    fn put(&mut self, pairs: Vec<(Turn, Mesh)>) {
+        for (turn, hull) in pairs {
+            let kept = self.order.len() < KEPT;
+            self.order.push(turn, kept.then_some(hull));
+        }
+    }
+
+    /// Let the hull of a pair stand for both.
+    fn merge(&mut self, turn: Turn, proved: Proved) {
+        for k in turn.pair() {
+            self.slots[k as usize] = None;
+        }
+        self.order.retire(&turn);
+        let new = Arc::new(Slot::new(proved));
+        let others: Vec<(u32, Arc<Slot>)> = (0u32..)
+            .zip(&self.slots)
+            .filter_map(|(k, slot)| Some((k, slot.clone()?)))
+            .collect();
+        self.unpriced = shared_out(&(self.slots.len() as u32, new.clone()), &others);
+        self.pricing = self.unpriced.len();
+        self.slots.push(Some(new));
     }
 }
 
