@@ -24,6 +24,7 @@ impl Piece {
     /// A crossing point an edge, made in a fixed order and added to both halves.
     fn cross(
         &self,
+        plane: &Plane,
         heights: &[f64],
         sides: &[i8],
         below: &mut Half,
@@ -48,7 +49,13 @@ impl Piece {
                 .into_iter()
                 .map(|(a, b)| {
                     let (ha, hb) = (heights[a as usize], heights[b as usize]);
-                    let p = self.points[a as usize].lerp(self.points[b as usize], ha / (ha - hb));
+                    let [from, to] = [a, b].map(|v| self.points[v as usize]);
+                    // What both ends share the point has too, and it is in the plane: or a later
+                    // cut along a face would leave films of rounding.
+                    let mut p = from + (to - from) * (ha / (ha - hb));
+                    if let Some((axis, sense)) = plane.axis() {
+                        p[axis] = plane.offset * sense;
+                    }
                     below.piece.points.push(p);
                     above.piece.points.push(p);
                     (
@@ -82,7 +89,7 @@ impl Piece {
         let mut below = Half::new(self.points.len());
         let mut above = Half::new(self.points.len());
 
-        let crossings = self.cross(&heights, &sides, &mut below, &mut above);
+        let crossings = self.cross(&plane, &heights, &sides, &mut below, &mut above);
         let mut border_below = Vec::new();
         let mut border_above = Vec::new();
         for t in &self.triangles {

@@ -2,6 +2,7 @@ use assetpipe_geometry::Plane;
 use glam::DVec3;
 
 use super::Piece;
+use crate::shapes::cuboid;
 
 /// A box [0,1]³ with a square hole [1/4,3/4]² through it along z.
 fn frame() -> Piece {
@@ -111,4 +112,33 @@ fn a_cut_on_a_flat_face_leaves_that_face_to_its_own_side() {
     let (below, above) = frame().split(plane([0.0, 0.0, 1.0], 1.0));
     assert!((below.volume() - 0.75).abs() < 1e-12);
     assert!(above.points.is_empty() && above.triangles.is_empty());
+}
+
+/// Heights that have no exact binary fraction, so that products with them round.
+#[test]
+fn points_of_a_cut_are_in_its_plane_and_in_the_faces_of_their_edges() {
+    let whole = Piece::from(&cuboid(
+        DVec3::new(-0.1, -0.7, 0.3),
+        DVec3::new(1.0 / 3.0, 0.9, 1.1),
+    ));
+    let heights: Vec<f64> = (1..30).map(|k| f64::from(k) / 31.0).collect();
+    for axis in 0..3 {
+        let (lo, hi) = whole.bounds();
+        for share in &heights {
+            let height = lo[axis] + share * (hi - lo)[axis];
+            let (below, above) = whole.split(Plane::axis_aligned(axis, height));
+            for half in [&below, &above] {
+                let known = |x: f64, k: usize| x == lo[k] || x == hi[k];
+                for p in &half.points {
+                    assert!(known(p[axis], axis) || p[axis] == height);
+                    assert!((0..3).any(|k| k != axis && known(p[k], k)), "{p:?}");
+                }
+            }
+            // So a cut in one of those faces leaves no film beyond it.
+            for other in (0..3).filter(|&k| k != axis) {
+                let (_, beyond) = below.split(Plane::axis_aligned(other, hi[other]));
+                assert!(beyond.points.is_empty() && beyond.triangles.is_empty());
+            }
+        }
+    }
 }

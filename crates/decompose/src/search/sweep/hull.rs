@@ -1,22 +1,25 @@
 //! A convex hull that grows point by point along a sweep direction.
 //!
 //! Made for *scoring* trial cuts, where millions of hulls are priced and none
-//! is kept: plain floating point, no exact predicates. Callers jitter their
-//! points by a few 1e-7 so that coplanar input does not occur; a point whose
-//! horizon is inconsistent all the same is left out, which can only make a
-//! score slightly wrong. Hulls that leave the engine come from
-//! `assetpipe_geometry::hull`, which is exact.
+//! is kept. Callers jitter their points by a few 1e-7 so that coplanar input does
+//! not occur. What rounding leaves open exact signs decide: a horizon that is no
+//! simple cycle would leave a corner out of the hull, and make its cut too cheap.
+//! Hulls that leave the engine come from `assetpipe_geometry::hull`.
 //!
 //! Points come sorted along the sweep direction, so a new point is always
 //! outside and always sees a face at the point before it: the visible region
 //! is found without conflict lists, in amortised constant time. The volume is
 //! a by-product of the visibility tests (a tetrahedron a visible face).
 
+use std::cmp::Ordering;
+
+use assetpipe_geometry::predicates::orient3d;
 use glam::DVec3;
 
 const NONE: u32 = u32::MAX;
-/// Points no farther outside are on a face: two vertices at one place are jittered alike.
-const ROUNDING: f64 = 1e-13;
+/// How far rounding may move the height of a point above a face, times two of the face's sides and
+/// the largest coordinate: about 60 roundings.
+const ROUNDING: f64 = 100.0 * f64::EPSILON;
 /// Samples so far outside count as inside: grids meet faces, and neither rounding nor jitter is to
 /// decide on which side.
 const ON: f64 = 2e-6;
@@ -29,6 +32,8 @@ struct Face {
     offset: f64,
     /// Of the normal.
     length: f64,
+    /// How far heights, in the unit of the offset, may be off; for coordinates up to one.
+    slack: f64,
     corners: [u32; 3],
     /// `neighbours[i]` lies across the edge from corner i to corner i + 1.
     neighbours: [u32; 3],
@@ -46,6 +51,8 @@ pub struct SweepHull {
     /// First points, until four of them span a tetrahedron.
     waiting: Vec<DVec3>,
     volume: f64,
+    /// Largest coordinate.
+    reach: f64,
     // scratch
     mark: Vec<u32>,
     round: u32,
@@ -64,6 +71,7 @@ impl SweepHull {
         self.newest.clear();
         self.waiting.clear();
         self.volume = 0.0;
+        self.reach = 0.0;
         self.mark.clear();
         self.round = 0;
         self.starts.clear();
@@ -93,6 +101,7 @@ impl SweepHull {
 
     /// Add one point.
     pub fn insert(&mut self, p: DVec3) {
+        self.reach = self.reach.max(p.abs().max_element());
         if self.faces.is_empty() {
             self.waiting.push(p);
             if self.waiting.len() >= 4 {
@@ -123,11 +132,16 @@ impl SweepHull {
             return;
         };
         let det = ab.cross(w[c] - a).dot(d - a);
-        if det.abs() < 1e-22 {
+        let side = orient3d(a, w[b], w[c], d);
+        if side == Ordering::Equal {
             return;
         }
         let waiting = std::mem::take(&mut self.waiting);
-        let (b, c) = if det > 0.0 { (c, b) } else { (b, c) };
+        let (b, c) = if side == Ordering::Greater {
+            (c, b)
+        } else {
+            (b, c)
+        };
         self.points.extend([a, waiting[b], waiting[c], d]);
         self.starts.resize(4, NONE);
         for (corners, neighbours) in [
@@ -153,12 +167,14 @@ impl SweepHull {
 
     fn face(&self, corners: [u32; 3], neighbours: [u32; 3]) -> Face {
         let [a, b, c] = corners.map(|v| self.points[v as usize]);
-        let normal = (b - a).cross(c - a);
+        let (ab, ac) = (b - a, c - a);
+        let normal = ab.cross(ac);
         let (offset, length) = (normal.dot(a), normal.length());
         Face {
             normal,
             offset,
             length,
+            slack: ROUNDING * ab.abs().max_element() * ac.abs().max_element(),
             corners,
             neighbours,
             alive: true,
@@ -167,7 +183,12 @@ impl SweepHull {
 
     fn sees(&self, f: u32, p: DVec3) -> bool {
         let face = &self.faces[f as usize];
-        face.normal.dot(p) > face.offset + ROUNDING * face.length
+        let height = face.normal.dot(p) - face.offset;
+        if height.abs() > face.slack * self.reach {
+            return height > 0.0;
+        }
+        let [a, b, c] = face.corners.map(|v| self.points[v as usize]);
+        orient3d(a, b, c, p) == Ordering::Greater
     }
 
     fn grow(&mut self, p: DVec3) {
@@ -208,7 +229,7 @@ impl SweepHull {
                 }
             }
         }
-        // Rounding can make the border anything but one simple cycle.
+        // Of a point that is on a line with an edge the border may be no simple cycle.
         let mut simple = self.horizon.len() >= 3;
         for &(a, _, _) in &self.horizon {
             simple &= self.starts[a as usize] == NONE;
@@ -269,6 +290,7 @@ impl SweepHull {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use assetpipe_geometry::hull::convex_hull;
 
     fn noise(i: u64) -> f64 {
         let mut x = i.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -304,6 +326,31 @@ mod tests {
             .filter(|&&p| hull.contains(0.5 + (p - 0.5) * 0.999, 0.0, &mut witness))
             .count();
         assert_eq!(inside, points.len());
+    }
+
+    /// Sections are full of points beside vertices: faces are a billion times as long as wide.
+    #[test]
+    fn no_corner_is_left_out_where_points_crowd() {
+        for round in 0..60u64 {
+            let at = |i: u64| noise(1000 * round + i);
+            let mut points = Vec::new();
+            for i in 0..40 {
+                let corner = DVec3::new(at(3 * i), at(3 * i + 1), at(3 * i + 2)).round();
+                let side = corner.with_x(at(i + 300));
+                for base in [corner, side] {
+                    let p = base + 4e-7 * DVec3::new(at(i + 500), at(i + 600), at(i + 700));
+                    points.extend([p, p + 1e-9 * DVec3::new(0.0, at(i + 800), 1.0)]);
+                }
+            }
+            points.sort_by(|a, b| a.z.total_cmp(&b.z));
+            let mut hull = SweepHull::default();
+            for &p in &points {
+                hull.insert(p);
+            }
+            let exact = crate::merge::volume(&convex_hull(&points).unwrap());
+            let found = hull.volume();
+            assert!((found - exact).abs() < 1e-9, "{round}: {found} {exact}");
+        }
     }
 
     #[test]
