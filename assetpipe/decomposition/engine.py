@@ -23,7 +23,8 @@ from assetpipe.decomposition.reach import check_reach, close_unreachable
 from assetpipe.decomposition.shaping import Shapes, check_shaping, shaped
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import MeshError, UsageError, unknown_name
-from assetpipe.geometry.mesh import Mesh
+from assetpipe.geometry.health.topology import Edges
+from assetpipe.geometry.mesh import FloatArray, Mesh
 
 if TYPE_CHECKING:
     import trimesh
@@ -216,16 +217,16 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
             f"coordinates of the mesh are up to {size:g} m; volumes can be computed from "
             f"{1.0 / _LARGEST:g} m to {_LARGEST:g} m"
         )
-    closed, edges = _edges(mesh)
+    edges = Edges.of(mesh.faces, len(mesh.vertices))
     from assetpipe.geometry import RepairPolicy, repair
     from assetpipe.geometry.repair.overlap import components_disagree
 
     if (
         cavities == "keep"
-        and closed
+        and edges.closed
         and mesh.volume > 0
         and not _repeats_faces(mesh, edges)
-        and not components_disagree(mesh)
+        and not components_disagree(mesh, edges)
     ):
         return mesh, None
     repaired = repair(mesh, policy=RepairPolicy(cavities=cavities))
@@ -239,27 +240,22 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
 
 def is_closed(mesh: Mesh) -> bool:
     """Whether every edge is used as often in one sense as in the other."""
-    return _edges(mesh)[0]
+    return Edges.of(mesh.faces, len(mesh.vertices)).closed
 
 
-def _edges(mesh: Mesh) -> tuple[bool, int]:
-    """Whether every edge is used as often in one sense as in the other; number of edges."""
-    faces = mesh.faces
-    start = faces.ravel()
-    end = np.roll(faces, -1, axis=1).ravel()
-    key = np.minimum(start, end) * len(mesh.vertices) + np.maximum(start, end)
-    distinct, inverse = np.unique(key, return_inverse=True)
-    balance = np.bincount(inverse, weights=np.where(start < end, 1.0, -1.0))
-    return bool((balance == 0).all()), len(distinct)
-
-
-def _repeats_faces(mesh: Mesh, edges: int) -> bool:
+def _repeats_faces(mesh: Mesh, edges: Edges) -> bool:
     """Whether a face stands in the mesh twice: shells that are doubled are closed, but no
-    longer tell which cavity belongs to which body."""
-    if 2 * edges == 3 * len(mesh.faces):
-        along_x = mesh.vertices[:, 0]
-        if len(np.unique(along_x)) == len(along_x):
-            return False
+    longer tell which cavity belongs to which body. The mesh must be closed."""
+    if 2 * len(edges.ends) == 3 * len(mesh.faces) and _are_apart(mesh.vertices):
+        return False
     from assetpipe.geometry.repair.clean import weld_exactly
 
     return weld_exactly(mesh.vertices, mesh.faces).repeated > 0
+
+
+def _are_apart(points: FloatArray) -> bool:
+    """Whether no two points coincide, seen by one number that most points have for themselves;
+    False may be a mistake."""
+    number = points[:, 0] + points[:, 1] * 1.6180339887498949 + points[:, 2] * 2.718281828459045
+    number.sort()
+    return bool((number[1:] != number[:-1]).all())

@@ -103,13 +103,13 @@ def overlap(shell: Shell) -> float:
     return float(np.mean(sure)) * len(suspect) / _POINTS
 
 
-def components_disagree(mesh: Mesh) -> bool:
-    """Whether components of a closed mesh overlap each other or lie inside-out in the open.
+def components_disagree(mesh: Mesh, edges: Edges) -> bool:
+    """Whether components of a closed mesh overlap each other or lie inside-out in the open;
+    ``edges`` are the mesh's.
 
     Of the first it knows by samples, :func:`overlap`, of the second by the winding number
     within every component that faces inward.
     """
-    edges = Edges.of(mesh.faces, len(mesh.vertices))
     number, label = face_components(edges)
     if number == 1:
         return False

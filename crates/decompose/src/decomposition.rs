@@ -190,7 +190,7 @@ fn run(
 }
 
 /// Closed meshes with so few triangles are looked at before threads are started for them.
-const SMALL: usize = 20_000;
+const SMALL: usize = 4_000;
 
 /// The decomposition of a solid that is convex, with flat edges or without.
 fn if_convex(

@@ -12,7 +12,7 @@ const LATTICE: f64 = 1_073_741_824.0;
 /// Heights closer than this are one but for rounding.
 pub const ROUNDING: f64 = 1e-10;
 /// Bits that a weight keeps.
-const BITS: i32 = 24;
+const BITS: u32 = 24;
 
 /// A length as a search sees it.
 pub fn length(x: f64) -> f64 {
@@ -25,13 +25,16 @@ pub fn point(p: DVec3) -> DVec3 {
     (p * LATTICE).round() / LATTICE + DVec3::ZERO
 }
 
-/// A weight that is compared with others.
+/// A weight that is compared with others: its leading [`BITS`] bits, rounded half away from zero.
 pub fn weight(x: f64) -> f64 {
+    /// What is not kept of the 53 bits of a number.
+    const DROPPED: u32 = f64::MANTISSA_DIGITS - BITS;
     if !x.is_normal() {
         return 0.0;
     }
-    let (share, exponent) = libm::frexp(x);
-    libm::ldexp(libm::round(libm::ldexp(share, BITS)), exponent - BITS)
+    // What carries beyond the highest bit goes into the exponent, as it should.
+    let half = 1u64 << (DROPPED - 1);
+    f64::from_bits((x.to_bits() + half) >> DROPPED << DROPPED)
 }
 
 #[cfg(test)]
@@ -50,6 +53,19 @@ mod tests {
         }
         assert_eq!(length(-1e-17).to_bits(), 0.0f64.to_bits());
         assert_eq!(weight(0.0), 0.0);
+    }
+
+    #[test]
+    fn weights_are_rounded() {
+        for (exact, rounded) in [
+            (1.0, 1.0),
+            (1.0 + 2f64.powi(-24), 1.0 + 2f64.powi(-23)),
+            (1.0 + 2f64.powi(-25), 1.0),
+            (-1.0 - 2f64.powi(-24), -1.0 - 2f64.powi(-23)),
+            (2.0 - 2f64.powi(-30), 2.0),
+        ] {
+            assert_eq!(weight(exact).to_bits(), rounded.to_bits());
+        }
     }
 
     #[test]

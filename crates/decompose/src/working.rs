@@ -89,12 +89,15 @@ impl Working {
             .map(|&p| one_zero(p))
             .zip(mesh.vertices.iter().copied())
             .collect();
-        known.sort_by(|a, b| order(&a.0, &b.0).then(order(&a.1, &b.1)));
         if work_from_input.determinant() < 0.0 {
             for t in &mut copy.triangles {
                 t.swap(1, 2);
             }
         }
+        let ((), ordered) = rayon::join(
+            || known.sort_unstable_by(|a, b| order(&a.0, &b.0).then(order(&a.1, &b.1))),
+            || ordered(&copy),
+        );
         let rounding = moved * half + 16.0 * f64::EPSILON * lo.abs().max(hi.abs()).max_element();
         (
             Working {
@@ -104,7 +107,7 @@ impl Working {
                 known,
                 rounding,
             },
-            ordered(&copy),
+            ordered,
         )
     }
 
@@ -173,7 +176,11 @@ fn is_whole(moved: &Mesh, exact: &Mesh) -> bool {
         points.len()
     };
     let (before, after) = (volume(exact), volume(moved));
-    (after - before).abs() <= 0.01 * before.abs() && places(moved) == places(exact)
+    if (after - before).abs() > 0.01 * before.abs() {
+        return false;
+    }
+    let (after, before) = rayon::join(|| places(moved), || places(exact));
+    after == before
 }
 
 #[cfg(test)]

@@ -167,7 +167,7 @@ fn clusters(faces: &mut [(DVec3, f64)]) -> Vec<(DVec3, f64)> {
     // heaviest cell first.
     let cell = |n: DVec3| (n * 64.0).round().to_array().map(|x| x as i64);
     // Areas are positive: ordered as their bits are.
-    faces.sort_by_cached_key(|f| (cell(f.0), f.1.to_bits()));
+    faces.par_sort_by_cached_key(|f| (cell(f.0), f.1.to_bits()));
     let mut cells: Vec<(DVec3, f64)> = faces
         .chunk_by(|a, b| cell(a.0) == cell(b.0))
         .map(|run| {
@@ -192,18 +192,24 @@ fn clusters(faces: &mut [(DVec3, f64)]) -> Vec<(DVec3, f64)> {
 /// Give coordinates along an axis that are at most `gap` from the lowest of them one value, so that
 /// a cut at a face is exact and what rounding set apart is sorted alike everywhere.
 pub fn snap(mesh: &mut Mesh, gap: f64) {
-    let mut order: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
-    for axis in 0..3 {
-        let at = |v: u32| mesh.vertices[v as usize][axis];
+    let along = |axis: usize| {
+        let mut heights: Vec<f64> = mesh.vertices.iter().map(|p| p[axis]).collect();
+        let mut order: Vec<u32> = (0..heights.len() as u32).collect();
+        let at = |v: u32| heights[v as usize];
         order.sort_unstable_by(|&a, &b| at(a).total_cmp(&at(b)).then(a.cmp(&b)));
         let mut anchor = f64::NEG_INFINITY;
-        for &v in &order {
-            let x = &mut mesh.vertices[v as usize][axis];
+        for v in order {
+            let x = &mut heights[v as usize];
             if *x - anchor > gap {
                 anchor = *x;
             }
             *x = anchor;
         }
+        heights
+    };
+    let snapped: Vec<Vec<f64>> = (0..3).into_par_iter().map(along).collect();
+    for (v, p) in mesh.vertices.iter_mut().enumerate() {
+        *p = DVec3::from_array([0, 1, 2].map(|axis| snapped[axis][v]));
     }
 }
 

@@ -65,13 +65,13 @@ pub fn axis(mesh: &Mesh) -> Option<Axis> {
     let mut weights: Vec<f64> = faces.iter().map(|f| f.1).collect();
     for round in 1..=ROUNDS {
         let mut matrix = [[0.0; 6]; 6];
-        for ((line, _, _), weight) in faces.iter().zip(&weights) {
-            for i in 0..6 {
-                for j in 0..6 {
-                    matrix[i][j] += weight * line[i] * line[j];
+        matrix.par_iter_mut().enumerate().for_each(|(i, row)| {
+            for ((line, _, _), weight) in faces.iter().zip(&weights) {
+                for (x, along) in row.iter_mut().zip(line) {
+                    *x += weight * line[i] * along;
                 }
             }
-        }
+        });
         let values = eigen::symmetric(matrix);
         let v = values[0].1;
         let length = direction(&v).length();
