@@ -8,6 +8,7 @@ machine to machine. What ends up in a result is multiplied here.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
@@ -21,9 +22,17 @@ def products(a: FloatArray, b: FloatArray) -> FloatArray:
     return result
 
 
+def added(values: Iterable[float]) -> float:
+    """The sum from left to right: Python's own compensates for rounding from 3.12 on."""
+    result = 0.0
+    for value in values:
+        result += value
+    return result
+
+
 def length(vector: FloatArray) -> float:
     """Euclidean length of one vector (n,)."""
-    return math.sqrt(sum(x * x for x in vector.tolist()))
+    return math.sqrt(added(x * x for x in vector.tolist()))
 
 
 def turned(points: FloatArray, linear: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -42,11 +42,13 @@ class Document:
         file: for messages.
         limits: how much is read.
         ids: elements by id; the first one wins.
+        read: numbers of ``<float_array>`` read so far; any number of sources may share one.
     """
 
     file: Path
     limits: FileLimits
     ids: dict[str, Element]
+    read: dict[Element, FloatArray] = field(default_factory=dict)
 
     def at(self, element: Element) -> Location:
         """Where an element stands."""
@@ -72,6 +74,16 @@ class Document:
                 location=self.at(element),
             )
         return found
+
+    def numbers(self, array: Element) -> FloatArray:
+        """What a ``<float_array>`` holds.
+
+        Raises:
+            InputError: a word that is no number.
+        """
+        if array not in self.read:
+            self.read[array] = floats(array.text, "float_array", self.at(array))
+        return self.read[array]
 
     def integer(self, element: Element, attribute: str, default: int) -> int:
         """A whole number in an attribute.
@@ -149,7 +161,7 @@ def _positions(document: Document, source: Element) -> FloatArray:
     if accessor is None:
         raise InputError("<source> without accessor", location=document.at(source))
     array = document.target(accessor, "source", "float_array")
-    values = floats(array.text, "float_array", document.at(array))
+    values = document.numbers(array)
     count = document.integer(accessor, "count", 0)
     stride = document.integer(accessor, "stride", 1)
     offset = document.integer(accessor, "offset", 0)
@@ -209,9 +221,11 @@ def _polylist(
         return np.zeros((0, 3), dtype=np.int64)
     corners = _corners(document, p, points, offset, stride)
     counts = integers(vcount.text, "vcount", document.at(vcount)).astype(np.int64)
-    if (counts < 0).any() or counts.sum() != len(corners):
+    # In Python's numbers: those of numpy would come round to zero.
+    total = sum(counts.tolist())
+    if (counts < 0).any() or total != len(corners):
         raise InputError(
-            f"<vcount> adds up to {int(counts.sum()):,} corners, <p> has {len(corners):,}",
+            f"<vcount> adds up to {total:,} corners, <p> has {len(corners):,}",
             location=document.at(vcount),
         )
     return triangulated(points, corners, counts)

@@ -7,6 +7,7 @@ animations don't matter to a shape and are not looked at.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +61,7 @@ class _Walk:
         self._document = document
         self._limits = limits
         self._notes = notes
-        self._meshes: dict[int, list[Part]] = {}
+        self._known: dict[tuple[int, int], Part | None] = {}
 
     def parts(self) -> list[Part]:
         """All parts of the scene in order."""
@@ -80,6 +81,7 @@ class _Walk:
                     f"nodes nest deeper than {limits.max_depth}", location=Location(document.path)
                 )
             matrix = composed(above, self._matrix(node))
+            # Counted one by one: many primitives may name the same large accessor.
             for part in self._mesh(node["mesh"]) if "mesh" in node else ():
                 vertices += len(part.vertices)
                 faces += len(part.faces)
@@ -126,17 +128,23 @@ class _Walk:
         plain = isinstance(value, list) and all(type(v) in (int, float) for v in value)
         if not plain or len(value) != count:
             raise self._document.wrong(f"node {name} is not {count} numbers")
-        return np.array(value, dtype=np.float64)
+        try:
+            return np.array(value, dtype=np.float64)
+        except OverflowError:
+            raise self._document.wrong(f"node {name} holds a number out of range") from None
 
-    def _mesh(self, index: object) -> list[Part]:
+    def _mesh(self, index: object) -> Iterator[Part]:
         mesh = self._document.item("meshes", index)
         key = int(index) if isinstance(index, int) else -1
-        if key not in self._meshes:
-            primitives = mesh.get("primitives", [])
-            if not isinstance(primitives, list) or not all(isinstance(p, dict) for p in primitives):
-                raise self._document.wrong(f"mesh {key} has unreadable primitives")
-            self._meshes[key] = [part for p in primitives if (part := self._primitive(p, key))]
-        return self._meshes[key]
+        primitives = mesh.get("primitives", [])
+        if not isinstance(primitives, list) or not all(isinstance(p, dict) for p in primitives):
+            raise self._document.wrong(f"mesh {key} has unreadable primitives")
+        for k, primitive in enumerate(primitives):
+            if (key, k) not in self._known:
+                self._known[key, k] = self._primitive(primitive, key)
+            part = self._known[key, k]
+            if part is not None:
+                yield part
 
     def _primitive(self, primitive: dict[str, Any], mesh: int) -> Part | None:
         document = self._document

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 import json
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -119,10 +120,14 @@ class Gltf:
         Raises:
             InputError: no such index.
         """
-        found = self.items(name)
-        if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < len(found):
-            raise self.wrong(f"{name}[{str(index)[:40]}] does not exist; there are {len(found)}")
-        return found[index]
+        # Not all of the list is looked at: nodes are asked for one by one.
+        found = self.tree.get(name, [])
+        number = len(found) if isinstance(found, list) else 0
+        if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < number:
+            raise self.wrong(f"{name}[{str(index)[:40]}] does not exist; there are {number}")
+        if not isinstance(found[index], dict):
+            raise self.wrong(f"{name}[{index}] is no object")
+        return cast("dict[str, Any]", found[index])
 
     def size(self, owner: dict[str, Any], name: str, default: int | None = None) -> int:
         """A whole number that is not negative.
@@ -143,11 +148,10 @@ class Gltf:
             LimitError: a count without data behind it.
         """
         item = self.item("accessors", index)
-        width = _WIDTHS.get(str(item.get("type")))
-        kind = _KINDS.get(item.get("componentType", 0))
-        if width is None or kind is None:
-            raise self.wrong(f"accessor of type {item.get('type')}/{item.get('componentType')}")
-        dtype = np.dtype(kind)
+        width, dtype = _WIDTHS.get(str(item.get("type"))), _component(item)
+        if width is None or dtype is None:
+            kind = f"{str(item.get('type'))[:40]}/{str(item.get('componentType'))[:40]}"
+            raise self.wrong(f"accessor of type {kind}")
         count = self.size(item, "count")
         if "bufferView" in item:
             values = self._view(item, dtype, count, width)
@@ -187,8 +191,10 @@ class Gltf:
         if count == 0:
             return np.zeros((0, width), dtype=dtype)
         bytes_ = np.frombuffer(body, dtype=np.uint8, count=length, offset=start)
+        # The step from a single item to the next may be any number.
+        strides = (stride if count > 1 else row, 1)
         rows = np.lib.stride_tricks.as_strided(
-            bytes_[offset:], shape=(count, row), strides=(stride, 1), writeable=False
+            bytes_[offset:], shape=(count, row), strides=strides, writeable=False
         )
         values: npt.NDArray[Any] = np.ascontiguousarray(rows).view(dtype)
         shaped: npt.NDArray[Any] = values.reshape(count, width)
@@ -197,16 +203,23 @@ class Gltf:
     def _sparse(self, sparse: dict[str, Any], values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         count = self.size(sparse, "count")
         where = self.mapping(sparse, "indices")
-        kind = _KINDS.get(where.get("componentType", 0))
-        if kind is None or np.dtype(kind).kind != "u":
+        dtype = _component(where)
+        if dtype is None or dtype.kind != "u":
             raise self.wrong("sparse indices are no unsigned integers")
-        rows = self._view(where, np.dtype(kind), count, 1)[:, 0].astype(np.int64)
+        rows = self._view(where, dtype, count, 1)[:, 0].astype(np.int64)
         if count and rows.max() >= len(values):
             raise self.wrong("sparse index beyond its accessor")
         own = self._view(self.mapping(sparse, "values"), values.dtype, count, values.shape[1])
         result: npt.NDArray[Any] = values.copy()
         result[rows] = own
         return result
+
+
+def _component(owner: dict[str, Any]) -> np.dtype[Any] | None:
+    """The type of the numbers of an accessor, if there is one of that name."""
+    name = owner.get("componentType")
+    kind = _KINDS.get(name) if isinstance(name, int) else None
+    return None if kind is None else np.dtype(kind)
 
 
 def _buffer(document: Gltf, item: dict[str, Any], k: int, binary: bytes | None, room: int) -> bytes:
@@ -233,19 +246,27 @@ def _buffer(document: Gltf, item: dict[str, Any], k: int, binary: bytes | None, 
 
 def beside(path: Path, uri: str) -> Path | None:
     """The file that a relative reference names, if it lies in the folder of ``path`` or below."""
-    if urlsplit(uri).scheme or uri.startswith(("/", "\\")) or "\0" in uri:
-        return None
     folder = path.parent.resolve()
-    found = (folder / unquote(uri)).resolve()
+    try:
+        if urlsplit(uri).scheme or uri.startswith(("/", "\\")):
+            return None
+        found = (folder / unquote(uri)).resolve()
+    except (ValueError, RuntimeError):
+        # No URL, a NUL, half of a surrogate pair; links in a circle.
+        return None
     return found if found.is_relative_to(folder) else None
 
 
 def _beside(document: Gltf, uri: str, room: int) -> bytes:
     found = beside(document.path, uri)
     if found is None:
-        raise document.wrong(f"buffer '{uri[:80]}' is outside of the file's folder: refused")
+        shown = uri[:80].encode("utf-8", "replace").decode()
+        raise document.wrong(f"buffer '{shown}' is no file in the glTF's folder or below: refused")
     try:
-        size = found.stat().st_size
+        mode, size = found.stat().st_mode, found.stat().st_size
+        if not stat.S_ISREG(mode):
+            # A pipe would keep its reader waiting.
+            raise document.wrong(f"buffer '{uri[:80]}' is no regular file")
         if size > room:
             raise LimitError(
                 f"buffer '{uri[:80]}' of {size:,} bytes exceeds what is left of the limit",

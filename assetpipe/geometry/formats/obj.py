@@ -8,12 +8,13 @@ surfaces. Vertices keep the file's own numbering here.
 from __future__ import annotations
 
 import re
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from assetpipe.errors import InputError, Location
+from assetpipe.errors import InputError, LimitError, Location
 from assetpipe.geometry.formats.polygons import triangulated
 from assetpipe.geometry.formats.raw import FileLimits, RawMesh, floats, integers
 from assetpipe.geometry.mesh import FloatArray, IntArray
@@ -43,10 +44,13 @@ def read(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
     kinds: list[bytes] = []
     bodies: list[bytes] = []
     offsets: list[int] = []
-    for match in _STATEMENT.finditer(data):
+    most = limits.max_vertices + limits.max_faces
+    for match in islice(_STATEMENT.finditer(data), most + 1):
         kinds.append(match[1])
         bodies.append(match[2])
         offsets.append(match.start(1))
+    if len(kinds) > most:
+        raise LimitError(f"more than {most:,} vertices and faces", location=Location(path))
     is_vertex = np.array([kind == b"v" for kind in kinds], dtype=bool)
     limits.check("vertices", int(is_vertex.sum()), path)
     text = _Text(data, path, offsets)

@@ -16,11 +16,11 @@ import numpy.typing as npt
 
 from assetpipe.errors import InputError, Location
 from assetpipe.geometry.formats.polygons import triangulated
-from assetpipe.geometry.formats.raw import FileLimits, RawMesh
+from assetpipe.geometry.formats.raw import FileLimits, RawMesh, floats
 from assetpipe.geometry.mesh import FloatArray, IntArray
 
 _FORMAT = re.compile(r"^format\s+(ascii|binary_little_endian|binary_big_endian)\s+1\.0\s*$")
-_ELEMENT = re.compile(r"^element\s+(\w+)\s+(\d+)\s*$")
+_ELEMENT = re.compile(r"^element\s+(\w+)\s+(\d{1,18})\s*$")
 _TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),
@@ -95,10 +95,10 @@ def read(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
         LimitError: more vertices or triangles than allowed.
     """
     header = _header(data, path)
-    counts = {element.name: element.rows for element in header.elements}
-    limits.check("vertices", counts.get("vertex", 0), path)
-    limits.check("faces", counts.get("face", 0), path)
-    rows = _ascii(data, header, path) if header.order == "" else _binary(data, header, path)
+    for element in header.elements:
+        # What is neither has a row a vertex, or fewer.
+        limits.check("faces" if element.name == "face" else "vertices", element.rows, path)
+    rows = (_binary if header.order else _ascii)(data, header, path, limits)
     try:
         vertices = np.stack([rows["vertex"].columns[axis] for axis in "xyz"], axis=1)
     except KeyError as error:
@@ -106,7 +106,6 @@ def read(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
     if "face" not in rows:
         return RawMesh(vertices, np.zeros((0, 3), dtype=np.int64))
     corners, sizes = rows["face"].corners, rows["face"].counts
-    limits.check("faces", int(np.maximum(sizes - 2, 0).sum()), path)
     wrong = np.flatnonzero((corners < 0) | (corners >= len(vertices)))
     if wrong.size:
         raise InputError(
@@ -130,18 +129,18 @@ def _header(data: bytes, path: Path) -> _Header:
         if words[:1] == ["format"]:
             kind = _FORMAT.match(text.strip())
             if kind is None:
-                raise InputError(f"unknown '{text.strip()}'", location=Location(path, line))
+                raise InputError(f"unknown '{text.strip()[:80]}'", location=Location(path, line))
             order = _ORDERS[kind[1]]
         elif words[:1] == ["element"]:
             element = _ELEMENT.match(text.strip())
             if element is None or element[1] in dict(named):
-                raise InputError(f"unreadable '{text.strip()}'", location=Location(path, line))
+                raise _unreadable(text, path, line)
             named.append((element[1], int(element[2])))
             properties.append([])
         elif words[:1] == ["property"]:
             known = _property(words)
             if known is None or not named:
-                raise InputError(f"unreadable '{text.strip()}'", location=Location(path, line))
+                raise _unreadable(text, path, line)
             properties[-1].append(known)
             # a list may be empty, but its count is there
             size = np.dtype(known.counted or known.kind).itemsize if order else 2
@@ -162,6 +161,10 @@ def _header(data: bytes, path: Path) -> _Header:
     return _Header(order, elements, match.end())
 
 
+def _unreadable(text: str, path: Path, line: int) -> InputError:
+    return InputError(f"unreadable '{text.strip()[:80]}'", location=Location(path, line))
+
+
 def _property(words: Sequence[str]) -> _Property | None:
     kinds = [_TYPES.get(word) for word in words[1:-1] if word != "list"]
     if len(words) == 3 and len(kinds) == 1 and kinds[0] is not None:
@@ -173,7 +176,7 @@ def _property(words: Sequence[str]) -> _Property | None:
     return None
 
 
-def _binary(data: bytes, header: _Header, path: Path) -> dict[str, _Rows]:
+def _binary(data: bytes, header: _Header, path: Path, limits: FileLimits) -> dict[str, _Rows]:
     found: dict[str, _Rows] = {}
     at = header.end
     for element in header.elements:
@@ -198,10 +201,11 @@ def _binary(data: bytes, header: _Header, path: Path) -> dict[str, _Rows]:
             )
         if alike:
             values = [rows[f"value {i}"] for i in range(len(sizes))]
-            found[element.name] = _of_columns(element, values)
+            found[element.name] = _of_columns(element, values, path, limits)
             at += rows.nbytes
         elif element.lists:
             places, at = _walked(data, at, element, header.order, path)
+            _check_corners(places[:, 1], path, limits)
             found[element.name] = _gathered(data, places, element, header.order)
         else:
             raise _cut_short(element, path)
@@ -234,7 +238,7 @@ def _walked(
     sizes = [np.dtype(p.kind).itemsize for p in element.properties]
     plan = list(zip(widths, sizes, signed, (i == wanted for i in range(len(sizes))), strict=True))
     endian: Literal["big", "little"] = "big" if order == ">" else "little"
-    places = np.zeros((element.rows, 2), dtype=np.int64)
+    places = np.zeros((0 if wanted is None else element.rows, 2), dtype=np.int64)
     end = len(data)
     for row in range(element.rows):
         for width, size, sign, is_wanted in plan:
@@ -242,11 +246,12 @@ def _walked(
             if width:
                 count = int.from_bytes(data[at : at + width], endian, signed=sign)
                 at += width
-                if is_wanted:
-                    places[row] = at, count
+            start = at
             at += count * size
             if count < 0 or at > end:
                 raise _cut_short(element, path)
+            if is_wanted:
+                places[row] = start, count
     return places, at
 
 
@@ -264,11 +269,8 @@ def _gathered(data: bytes, places: IntArray, element: _Element, order: str) -> _
     return _Rows({}, corners.astype(np.int64), counts)
 
 
-def _ascii(data: bytes, header: _Header, path: Path) -> dict[str, _Rows]:
-    try:
-        values = np.array(data[header.end :].split(), dtype=np.float64)
-    except ValueError as error:
-        raise InputError(f"no number in the data: {error}", location=Location(path)) from None
+def _ascii(data: bytes, header: _Header, path: Path, limits: FileLimits) -> dict[str, _Rows]:
+    values = floats(data[header.end :], "data", Location(path))
     found: dict[str, _Rows] = {}
     at = 0
     for element in header.elements:
@@ -277,7 +279,7 @@ def _ascii(data: bytes, header: _Header, path: Path) -> dict[str, _Rows]:
             if at + size > len(values):
                 raise _cut_short(element, path)
             table = values[at : at + size].reshape(element.rows, -1)
-            found[element.name] = _of_columns(element, list(table.T))
+            found[element.name] = _of_columns(element, list(table.T), path, limits)
             at += size
             continue
         wanted = _corners_of(element)
@@ -293,19 +295,32 @@ def _ascii(data: bytes, header: _Header, path: Path) -> dict[str, _Rows]:
                 if i == wanted:
                     lists.append((at, int(count)))
                 at += int(count)
-        found[element.name] = _of_lists(values, lists)
+        found[element.name] = _of_lists(values, lists, path, limits)
     return found
 
 
-def _of_lists(values: FloatArray, lists: list[tuple[int, int]]) -> _Rows:
+def _check_corners(counts: IntArray, path: Path, limits: FileLimits) -> None:
+    """Refuse polygons of more triangles than allowed, before they are gathered."""
+    limits.check("faces", int(np.maximum(counts - 2, 0).sum()), path)
+
+
+def _of_lists(
+    values: FloatArray, lists: list[tuple[int, int]], path: Path, limits: FileLimits
+) -> _Rows:
     counts = np.array([count for _, count in lists], dtype=np.int64)
+    _check_corners(counts, path, limits)
     starts = np.array([start for start, _ in lists], dtype=np.int64)
     before = np.repeat(np.cumsum(counts) - counts, counts)
     corners = values[np.repeat(starts, counts) + np.arange(len(before)) - before]
     return _Rows({}, _whole(corners), counts)
 
 
-def _of_columns(element: _Element, values: Sequence[npt.NDArray[np.generic]]) -> _Rows:
+def _of_columns(
+    element: _Element,
+    values: Sequence[npt.NDArray[np.generic]],
+    path: Path,
+    limits: FileLimits,
+) -> _Rows:
     """Of rows that are all alike, values by property."""
     columns = {
         p.name: v.astype(np.float64)
@@ -318,6 +333,7 @@ def _of_columns(element: _Element, values: Sequence[npt.NDArray[np.generic]]) ->
         return _Rows(columns, none, none)
     table = values[wanted]
     counts = np.full(element.rows, table.shape[1], dtype=np.int64)
+    _check_corners(counts, path, limits)
     return _Rows(columns, _whole(table.astype(np.float64).ravel()), counts)
 
 

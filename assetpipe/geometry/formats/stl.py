@@ -8,6 +8,7 @@ are welded nowhere; three vertices a triangle, as in the file.
 from __future__ import annotations
 
 import re
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -73,7 +74,7 @@ def _read_binary(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
 
 
 def _read_ascii(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
-    rows = list(_VERTEX.finditer(data))
+    rows = list(islice(_VERTEX.finditer(data), 3 * (limits.max_faces + 1)))
     limits.check("faces", len(rows) // 3, path)
     try:
         values = np.array(b" ".join(row[1] for row in rows).split(), dtype=np.float64)

@@ -11,6 +11,7 @@ from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.health.topology import Edges, face_areas, face_components
 from assetpipe.geometry.health.weld import degenerate, referenced
 from assetpipe.geometry.mesh import IntArray, Mesh
+from assetpipe.geometry.products import added
 from assetpipe.geometry.repair.bury import buried
 from assetpipe.geometry.repair.check import defect
 from assetpipe.geometry.repair.clean import one_of_each, weld_exactly
@@ -191,7 +192,7 @@ def _finished(work: Work, job: Job) -> Repaired:
             what += f", {united.buried} buried in others"
         if united.cavities:
             what += f"; {united.cavities} enclosed cavities {'kept' if kept else 'filled'}"
-        enclosed = sum(abs(shell.volume) for shell in shells)
+        enclosed = added(abs(shell.volume) for shell in shells)
         change = Mesh(job.frame.inward(vertices), faces).volume - enclosed
         steps.append(
             Step(

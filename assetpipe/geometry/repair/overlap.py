@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from assetpipe.geometry.health.topology import Edges, face_areas, face_components
 from assetpipe.geometry.mesh import FloatArray, Mesh
-from assetpipe.geometry.products import products
+from assetpipe.geometry.products import added, products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.result import Rung, Step
@@ -56,7 +56,7 @@ def disentangled(work: Work, job: Job) -> Work:
             left += 1
             continue
         done += 1
-        change += sum(part.volume for part in parts) - outward.volume
+        change += added(part.volume for part in parts) - outward.volume
         shells += parts if shell.volume > 0.0 else [part.reversed() for part in parts]
     notes = (f"{left} pieces overlap themselves; where they do, they enclose twice",) * (left > 0)
     if not done and not left:

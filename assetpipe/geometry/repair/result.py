@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from assetpipe.findings import Finding
 from assetpipe.geometry.mesh import Mesh
+from assetpipe.geometry.products import added
 
 
 class Rung(Enum):
@@ -150,7 +151,7 @@ class Repaired:
     @property
     def volume_change(self) -> float:
         """m³ that the steps added to the enclosed volume, as far as it was defined."""
-        return sum(step.volume_change or 0.0 for step in self.steps)
+        return added(step.volume_change or 0.0 for step in self.steps)
 
     @property
     def seconds(self) -> float:

@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from assetpipe.geometry.products import added
 from assetpipe.geometry.repair.frame import doublings
 
 DIAGONALS = """
@@ -29,6 +30,12 @@ def test_a_diagonal_is_the_same_whatever_blas_takes(kernels: str) -> None:
     command = [sys.executable, "-c", DIAGONALS]
     done = subprocess.run(command, env=environment, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()
+
+
+def test_sums_are_taken_from_left_to_right() -> None:
+    # Python 3.12 and later compensate sums: theirs is 2.
+    assert added([1e16, 1.0, 1.0, -1e16]) == 0.0
+    assert added([]) == 0.0
 
 
 @pytest.mark.parametrize(
