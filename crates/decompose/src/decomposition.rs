@@ -267,14 +267,15 @@ fn concave(
     };
     let mut cover = cover(&copy, roots, &judge, settings, control)?;
     adopt(&mut cover, &copy, &working);
+    let gap = settings.gap;
     let finish = Finish {
         working: &working,
         judge,
         slim: settings.slim,
         // Nobody needs many digits of what is small beside the tolerance.
         gap: Gap {
-            relative: settings.gap,
-            absolute: (160.0 * settings.gap * settings.gap * settings.gap).min(0.02) * target,
+            relative: gap,
+            absolute: (3200.0 * gap * gap * gap * gap).min(0.02) * target,
         },
         cells: settings.cells,
         most_vertices: settings.most_vertices,
