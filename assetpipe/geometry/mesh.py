@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from assetpipe.errors import MeshError
+from assetpipe.errors import LimitError, MeshError
 from assetpipe.geometry.products import length, moved, products
 
 if TYPE_CHECKING:
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+
+
+LARGEST = 1e60
+"""Metres; and its inverse is the smallest: cubes and squares of areas stay numbers."""
 
 
 def locked(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -90,6 +94,19 @@ class Mesh:
         if not len(self.vertices):
             return locked(np.zeros((2, 3)))
         return locked(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+
+    def check_size(self) -> None:
+        """See whether areas, volumes and their products can be computed.
+
+        Raises:
+            LimitError: coordinates beyond :data:`LARGEST`, or all below its inverse.
+        """
+        size = float(np.abs(self.bounds).max()) if len(self.vertices) else 0.0
+        if size > LARGEST or 0.0 < size < 1.0 / LARGEST:
+            raise LimitError(
+                f"coordinates of the mesh are up to {size:g} m; volumes can be computed from "
+                f"{1.0 / LARGEST:g} m to {LARGEST:g} m"
+            )
 
     @cached_property
     def diagonal(self) -> float:

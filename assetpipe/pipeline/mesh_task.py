@@ -81,6 +81,7 @@ def _read(
     try:
         loaded = read_mesh(Path(request["path"]), limits=limits)
         mesh = loaded.mesh.scaled(np.asarray(request["scale"]))
+        mesh.check_size()
     except LimitError as error:
         findings.append(Finding("AP206", Severity.ERROR, error.message))
         return None

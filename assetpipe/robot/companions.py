@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
@@ -13,6 +14,10 @@ from assetpipe import secure_xml
 from assetpipe.errors import AssetpipeError
 
 _MAX_BYTES = 256 * 1024 * 1024
+_MOST = 10_000
+"""References of a mesh or material library that are followed."""
+_WORDS = 32
+"""Words of a texture's line, from its end, that may be its name: options come before it."""
 _SUFFIXES = {
     ".mtl", ".bin", ".png", ".jpg", ".jpeg", ".jpe", ".tga", ".bmp", ".gif", ".tif", ".tiff",
     ".dds", ".ktx", ".ktx2", ".webp", ".hdr", ".exr", ".pbm", ".pgm", ".ppm", ".psd", ".material",
@@ -69,7 +74,10 @@ def _followed(folder: Path, reference: str, root: Path) -> Iterator[Companion]:
 
 def _companion(folder: Path, reference: str, root: Path) -> Companion | None:
     text = reference.strip().replace("\\", "/")
-    if not text or "\0" in text or urlsplit(text).scheme or text.startswith("/"):
+    try:
+        if not text or urlsplit(text).scheme or text.startswith("/"):
+            return None
+    except ValueError:
         return None
     for spelling in dict.fromkeys((text, unquote(text))):
         path = folder / spelling
@@ -78,7 +86,8 @@ def _companion(folder: Path, reference: str, root: Path) -> Companion | None:
             if path.is_file() and real.is_relative_to(root.resolve()):
                 known = path.suffix.lower() in _SUFFIXES and not path.name.startswith(".")
                 return Companion(PurePosixPath(spelling), path) if known else None
-        except OSError:
+        except (OSError, ValueError, RuntimeError):
+            # Nothing can be called so; or symbolic links lead in a circle.
             continue
     return None
 
@@ -86,7 +95,9 @@ def _companion(folder: Path, reference: str, root: Path) -> Companion | None:
 def _references(mesh: Path) -> list[str]:
     reader = {".obj": _of_obj, ".dae": _of_dae, ".gltf": _of_gltf}.get(mesh.suffix.lower())
     data = _bytes(mesh) if reader is not None else None
-    return reader(data, mesh) if reader is not None and data is not None else []
+    if reader is None or data is None:
+        return []
+    return list(islice(dict.fromkeys(reader(data, mesh)), _MOST))
 
 
 def _bytes(path: Path) -> bytes | None:
@@ -97,7 +108,8 @@ def _bytes(path: Path) -> bytes | None:
 
 
 def _of_obj(data: bytes, _mesh: Path) -> list[str]:
-    names = [match[1].decode("utf-8", "replace").strip() for match in _LIBRARY.finditer(data)]
+    found = islice(_LIBRARY.finditer(data), _MOST)
+    names = [match[1].decode("utf-8", "replace").strip() for match in found]
     # several names, or names with spaces: whatever there is
     return [name for whole in names for name in _runs(whole.split()[:12])]
 
@@ -115,15 +127,16 @@ def _textures(library: Path) -> list[str]:
     data = _bytes(library)
     if data is None:
         return []
-    lines = [match[1].decode("utf-8", "replace").strip() for match in _MAP.finditer(data)]
-    # options come before the name; a name may hold spaces
+    found = islice(_MAP.finditer(data), _MOST)
+    lines = [match[1].decode("utf-8", "replace") for match in found]
+    # a name may hold spaces
     tails = [
         " ".join(words[k:])
         for line in lines
-        for words in (line.split(),)
+        for words in (line.split()[-_WORDS:],)
         for k in range(len(words))
     ]
-    return list(dict.fromkeys(tails))
+    return list(islice(dict.fromkeys(tails), _MOST))
 
 
 def _of_dae(data: bytes, mesh: Path) -> list[str]:

@@ -74,6 +74,14 @@ class Lookup:
 
     def resolve(self, uri: str) -> Resolution:
         """What a reference leads to; says why where it leads nowhere."""
+        try:
+            return self._resolved(uri)
+        except (OSError, ValueError):
+            return Resolution(uri, "missing", hint="no file can be called so")
+        except RuntimeError:
+            return Resolution(uri, "missing", hint="symbolic links lead in a circle")
+
+    def _resolved(self, uri: str) -> Resolution:
         text = uri.strip().replace("\\", "/")
         if not text or "\0" in text:
             return Resolution(uri, "missing", hint="the reference is empty")

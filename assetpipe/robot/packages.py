@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +15,8 @@ _MANIFEST = "package.xml"
 _MAX_ENTRIES = 2000
 """Entries of one folder that are looked at; a search must not become a scan of the disk."""
 _MAX_MANIFEST = 1 << 20
+_NAME = re.compile(r"(?!\.{1,2}$)[^/\\\x00-\x1f]{1,200}")
+"""What a package may be called: what a folder may."""
 _SKIPPED = {"build", "log", "node_modules", "__pycache__", "site-packages", "dist-packages"}
 
 
@@ -104,7 +107,9 @@ def _declared_name(manifest: Path) -> str | None:
         return None
     for element in root:
         if str(element.tag).rpartition("}")[2] == "name":
-            return (element.text or "").strip() or None
+            name = (element.text or "").strip()
+            # It will be a folder in the output.
+            return name if _NAME.fullmatch(name) else None
     return None
 
 

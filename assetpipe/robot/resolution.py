@@ -24,6 +24,15 @@ Means = Literal[
 """How a reference was resolved."""
 
 
+_SHOWN = 300
+"""Characters of a path that messages show."""
+
+
+def shortened(text: str) -> str:
+    """A path as messages show it: of an endless one, its beginning."""
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
+
+
 @dataclass(frozen=True)
 class Resolution:
     """What a reference leads to.
@@ -61,21 +70,21 @@ class Resolution:
             return Finding(
                 "AP103",
                 severity,
-                f"'{self.uri}' leads out of the package: refused",
+                f"'{shortened(self.uri)}' leads out of the package: refused",
                 location=location,
                 link=link,
-                mesh=self.uri,
+                mesh=shortened(self.uri),
                 hint=self.hint,
             )
-        looked = f"; looked at {', '.join(self.tried[:3])}" if self.tried else ""
+        looked = f"; looked at {', '.join(map(shortened, self.tried[:3]))}" if self.tried else ""
         more = f" and {len(self.tried) - 3} more" if len(self.tried) > 3 else ""
         reason = "is not followed" if self.state == "unsupported" else "does not exist"
         return Finding(
             "AP101",
             severity,
-            f"'{self.uri}' {reason}{looked}{more}",
+            f"'{shortened(self.uri)}' {reason}{looked}{more}",
             location=location,
             link=link,
-            mesh=self.uri,
+            mesh=shortened(self.uri),
             hint=self.hint,
         )

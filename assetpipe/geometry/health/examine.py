@@ -34,7 +34,11 @@ def examine(mesh: Mesh, *, crossings: Literal["count", "skip"] = "skip") -> Heal
 
     Returns:
         :class:`Health`.
+
+    Raises:
+        LimitError: coordinates with which areas and volumes are no numbers any more.
     """
+    mesh.check_size()
     keep, to = exact_duplicates(mesh.vertices)
     vertices, faces = mesh.vertices[keep], to[mesh.faces]
     bad = degenerate(faces)

@@ -59,8 +59,12 @@ def repair(
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
     if len(mesh.faces) > limits.faces:
-        message = f"{len(mesh.faces)} faces; repair takes at most {limits.faces}"
-        return Repaired(None, findings=(Finding("AP206", Severity.ERROR, message),))
+        return _beyond(f"{len(mesh.faces)} faces; repair takes at most {limits.faces}")
+    try:
+        # libigl takes down the process where squares of coordinates overflow.
+        mesh.check_size()
+    except LimitError as error:
+        return _beyond(error.message)
     why = defect(mesh.vertices, mesh.faces)
     if policy.mode == "off":
         return Repaired(mesh) if why is None else _refused(why, hint="repair is off")
@@ -69,7 +73,12 @@ def repair(
     try:
         return _climb(mesh, policy, limits)
     except LimitError as error:
-        return Repaired(None, findings=(Finding("AP206", Severity.ERROR, error.message),))
+        return _beyond(error.message)
+
+
+def _beyond(message: str) -> Repaired:
+    """Refused for a limit."""
+    return Repaired(None, findings=(Finding("AP206", Severity.ERROR, message),))
 
 
 def _sound(mesh: Mesh) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -299,7 +300,8 @@ def rewrite(
         target: Path | None = resolved.get(reference)
         if target is None and "://" not in reference and not Path(reference).is_absolute():
             target = urdf.parent / reference
-        edit = target and value_edit(markup.text, mesh, "filename", str(target.resolve()))
+        # Path.resolve fails where links lead in a circle.
+        edit = target and value_edit(markup.text, mesh, "filename", os.path.realpath(target))
         if edit:
             edits.append(edit)
     # Text around the root is left out: other parsers fail on what stands there.

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from assetpipe.errors import MeshError
+from assetpipe.errors import LimitError, MeshError
 from assetpipe.findings import Severity
-from assetpipe.geometry import Mesh, RepairPolicy, Rung, is_solid, repair
+from assetpipe.geometry import Mesh, RepairPolicy, Rung, examine, is_solid, repair
 
 
 def box(size=(1.0, 1.0, 1.0), at=(0.0, 0.0, 0.0)) -> Mesh:
@@ -108,3 +108,13 @@ def test_a_flat_tetrahedron_is_no_solid():
 def test_no_faces_is_an_error():
     with pytest.raises(MeshError):
         repair(Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)))
+
+
+@pytest.mark.parametrize("size", [1e75, 1e308, 1e-75])
+def test_what_is_too_large_or_small_to_measure_is_refused(size: float):
+    mesh = box().scaled((size, size, size))
+    result = repair(mesh)
+    assert result.solid is None
+    assert [finding.code for finding in result.findings] == ["AP206"]
+    with pytest.raises(LimitError, match="coordinates"):
+        examine(mesh)

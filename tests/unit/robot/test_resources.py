@@ -248,3 +248,31 @@ def test_a_broken_or_hostile_manifest_is_no_package(package: Path) -> None:
     for text in ("<package><name>arm", bomb, "", "<package/>"):
         (package / "package.xml").write_text(text)
         assert resolve(package, "package://arm/meshes/a.stl").means == "walk up"
+
+
+@pytest.mark.parametrize(
+    "uri",
+    [
+        "package://arm/a%00b.stl",
+        "file:///a%00b.stl",
+        "a%00b.stl",
+        "a" * 5000 + ".stl",
+        f"package://{'a' * 5000}/b.stl",
+        "a/" * 50_000 + "b.stl",
+        "circle.stl",
+        "package://arm/urdf/circle.stl",
+    ],
+)
+def test_what_no_file_can_be_called_is_missing(package: Path, uri: str) -> None:
+    (package / "urdf" / "circle.stl").symlink_to("circle.stl")
+    found = resolve(package, uri)
+    assert found.state == "missing"
+    finding = found.finding(Location(package), link=None, severity=Severity.ERROR)
+    assert finding is not None
+    assert len(finding.message) < 1500
+
+
+@pytest.mark.parametrize("name", ["..", ".", "/a/b", "../../a", "a\\b", "a\nb", "a" * 300])
+def test_what_no_folder_can_be_called_names_no_package(package: Path, name: str) -> None:
+    manifest(package, name)
+    assert Resolver().beside(package / "urdf" / "arm.urdf").package is None

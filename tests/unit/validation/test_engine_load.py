@@ -205,3 +205,12 @@ def test_words_of_the_engine_do_not_name_folders_of_the_machine(engine, tmp_path
     assert seen.outcome == "refused"
     assert "arm_0.obj" in seen.message
     assert str(tmp_path) not in seen.message
+
+
+def test_a_circle_of_links_does_not_end_the_check(engine, tmp_path):
+    urdf, _, _ = two_links(tmp_path)
+    (tmp_path / "circle.obj").symlink_to("circle.obj")
+    text = urdf.read_text(encoding="utf-8").replace("package://pack/meshes/arm_0.obj", "circle.obj")
+    urdf.write_text(text, encoding="utf-8")
+    seen = load_in_engine(urdf, EXPECTED, resolved={"none": tmp_path}, engine=engine)
+    assert seen.outcome == "refused"
