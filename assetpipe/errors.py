@@ -6,10 +6,22 @@ Errors stop the whole call. What concerns one mesh or link only is a
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+
+_OBEYED = re.compile(
+    "[\\0-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u202a-\\u202e\\u2066-\\u2069\\ud800-\\udfff]"
+)
+"""Control characters but tabs and line ends, changes of direction, halves of surrogate pairs."""
+
+
+def printable(text: str) -> str:
+    """Text of a stranger for people to read: what terminals obey and what no encoding has is
+    spelled out."""
+    return _OBEYED.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 @dataclass(frozen=True)
@@ -27,12 +39,14 @@ class AssetpipeError(Exception):
     """Base of every error that assetpipe raises on purpose."""
 
     def __init__(self, message: str, *, location: Location | None = None) -> None:
+        message = printable(message)
         super().__init__(message)
         self.message = message
         self.location = location
 
     def __str__(self) -> str:
-        return self.message if self.location is None else f"{self.location}: {self.message}"
+        where = "" if self.location is None else f"{printable(str(self.location))}: "
+        return where + self.message
 
 
 class UsageError(AssetpipeError):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-from assetpipe.errors import Location
+from assetpipe.errors import Location, printable
 
 
 class Severity(Enum):
@@ -47,6 +47,9 @@ class Finding:
     def __post_init__(self) -> None:
         if self.code not in CODES:
             raise ValueError(f"finding code '{self.code}' is not registered in CODES")
+        object.__setattr__(self, "message", printable(self.message))
+        if self.hint is not None:
+            object.__setattr__(self, "hint", printable(self.hint))
 
     def __str__(self) -> str:
         where = f"{self.location}: " if self.location else ""

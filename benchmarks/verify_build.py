@@ -5,7 +5,7 @@
 lxml reads the URDFs, trimesh the original meshes, Qhull judges convexity, libigl measures
 distances and winding numbers, PyBullet loads the result in a process of its own. Measures
 are taken on samples: a violation disproves a claim, none only fails to. With ``--rebuild``
-the robot is built twice more, with other jobs, hash seed and working directory, and again
+the robot is built three times more, with other jobs, hash seed and working directory, and again
 with a warm cache. Exit code 1 if anything is wrong.
 """
 

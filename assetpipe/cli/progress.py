@@ -18,9 +18,10 @@ def progress_bar() -> Iterator[Callable[[Progress], None]]:
         yield lambda event: None
         return
     from rich.console import Console
-    from rich.markup import escape
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
+
+    from assetpipe.report.escaping import escape
 
     bar = Bar(
         BarColumn(bar_width=30),

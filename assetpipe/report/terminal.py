@@ -9,8 +9,9 @@ from typing import IO, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+
+from assetpipe.report.escaping import escape
 
 _DEFECTS = {
     "open": "boundary_edges",

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
+from assetpipe.report.escaping import escape
 from assetpipe.report.terminal import millimetres, show_checks, show_findings
 
 if TYPE_CHECKING:

@@ -278,7 +278,7 @@ def _ascii(data: bytes, header: _Header, path: Path, limits: FileLimits) -> dict
             size = element.rows * len(element.properties)
             if at + size > len(values):
                 raise _cut_short(element, path)
-            table = values[at : at + size].reshape(element.rows, -1)
+            table = values[at : at + size].reshape(element.rows, len(element.properties))
             found[element.name] = _of_columns(element, list(table.T), path, limits)
             at += size
             continue

@@ -175,6 +175,21 @@ def test_ply_of_polygons(tmp_path: Path, order: str, sizes: str) -> None:
         read_mesh(path)
 
 
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian"])
+def test_ply_with_an_element_of_no_rows(tmp_path: Path, order: str) -> None:
+    header = (
+        f"ply\nformat {order} 1.0\nelement edge 0\nproperty int vertex1\nproperty int vertex2\n"
+        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_index\nend_header\n"
+    )
+    data = b"0 0 0 1 0 0 0 1 0 3 0 1 2\n"
+    if order != "ascii":
+        data = struct.pack("<9fB3i", 0, 0, 0, 1, 0, 0, 0, 1, 0, 3, 0, 1, 2)
+    path = tmp_path / "a.ply"
+    path.write_bytes(header.encode() + data)
+    assert read_mesh(path).mesh.area == pytest.approx(0.5)
+
+
 def test_a_concave_polygon_of_a_ply_does_not_fold_over(tmp_path: Path) -> None:
     arrow = "0 0 0\n2 0 0\n2 2 0\n1.5 0.5 0\n"
     text = (
