@@ -41,7 +41,7 @@ def find_sources(inputs: Sequence[Path]) -> tuple[Source, ...]:
 
     Raises:
         InputError: an input does not exist, is of no kind that we know, or is a folder
-            without robots.
+            without robots; a name is not UTF-8.
     """
     sources: dict[Path, Source] = {}
     for given in inputs:
@@ -58,8 +58,20 @@ def find_sources(inputs: Sequence[Path]) -> tuple[Source, ...]:
         else:
             raise InputError("does not exist", location=Location(given))
         for source in found:
+            _check_name(source)
             sources.setdefault(source.path.resolve(), source)
     return tuple(sources.values())
+
+
+def _check_name(source: Source) -> None:
+    """Refuse what reports and URDFs could not name."""
+    try:
+        str(source.path).encode()
+    except UnicodeEncodeError:
+        raise InputError(
+            "the name of the file, or of a folder above it, is not UTF-8",
+            location=Location(source.path),
+        ) from None
 
 
 def _named(path: Path, given: Path) -> Source:

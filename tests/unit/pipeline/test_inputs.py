@@ -77,3 +77,14 @@ def test_output_never_replaces_its_own_input(tmp_path: Path) -> None:
     (tmp_path / "out" / PROVENANCE).write_text(json.dumps({"assetpipe": {}}))
     with pytest.raises(UsageError, match="holds the input"):
         targets(find_sources([tmp_path / "out"]), tmp_path / "out", Shard())
+
+
+@pytest.mark.parametrize("name", ["r\udcff.urdf", "in\udcff/r.urdf"])
+def test_what_reports_could_not_name_is_refused(tmp_path: Path, name: str) -> None:
+    try:
+        put(tmp_path, name)
+    except (OSError, UnicodeError):
+        pytest.skip("this file system has UTF-8 names only")
+    for given in (tmp_path, tmp_path / name):
+        with pytest.raises(InputError, match=r"\\udcff.*not UTF-8"):
+            find_sources((given,))
