@@ -1,7 +1,7 @@
 //! From working hulls to the hulls that leave the engine: exact in the input's
 //! coordinates, with fewer vertices, proved again.
 
-use assetpipe_geometry::hull::{convex_hull, simplify_within};
+use assetpipe_geometry::hull::{convex_hull, simplify_within, simplify_within_room};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
@@ -18,11 +18,10 @@ use crate::working::Working;
 
 /// Hulls with fewer vertices gain nothing from simplification.
 const FEW: usize = 8;
-/// Shares of the reach that simplification tries, the greatest first.
-const REACHES: [f64; 4] = [1.0, 0.3, 0.03, 0.003];
-/// Hulls with more vertices than this try the smallest reaches too: fine meshes have most of
-/// their vertices next to a plane of few others.
-const MANY: usize = 64;
+/// Distances between points at which the room of a face is measured, in ε, and most of them along a
+/// side.
+const SPACING: f64 = 0.1;
+const STEPS: f64 = 16.0;
 /// How far removing slivers may reach outward, in ε; the second where the proof
 /// leaves no room for the first.
 const CLEARANCE: [f64; 2] = [1e-3, 1e-9];
@@ -195,31 +194,56 @@ impl Finish<'_> {
     /// The hull with fewer vertices, if one within ε is found.
     fn slimmed(&self, exact: &Mesh, group: &Proved, parts: &[Piece]) -> Option<(Mesh, Proved)> {
         let own: Vec<&Piece> = group.members.iter().map(|&m| &parts[m as usize]).collect();
-        if exact.vertices.len() <= FEW {
+        let slim = self.slim * self.judge.epsilon;
+        if exact.vertices.len() <= FEW || slim <= 0.0 {
             return None;
         }
-        let tried = if exact.vertices.len() > MANY { 4 } else { 2 };
-        for share in &REACHES[..tried] {
-            let slim = share * self.slim * self.judge.epsilon;
-            if slim <= 0.0 {
+        let accepted = |simple: Mesh| {
+            if simple.vertices.len() == exact.vertices.len() {
                 return None;
             }
-            let simple = simplify_within(exact, self.working.input_length(slim)).ok()?;
-            if simple.vertices.len() < exact.vertices.len() {
-                let hull = self.image(&simple).ok()?;
-                if let Decision::Within(thickening) = self.judge.decide(&hull, &own) {
-                    return Some((
-                        simple,
-                        Proved {
-                            hull,
-                            thickening,
-                            members: group.members.clone(),
-                        },
-                    ));
-                }
-            }
-        }
-        None
+            let hull = self.image(&simple).ok()?;
+            let Decision::Within(thickening) = self.judge.decide(&hull, &own) else {
+                return None;
+            };
+            let members = group.members.clone();
+            Some((
+                simple,
+                Proved {
+                    hull,
+                    thickening,
+                    members,
+                },
+            ))
+        };
+        let reach = self.working.input_length(slim);
+        let everywhere = simplify_within(exact, reach).ok()?;
+        // What leaves less room leaves it at one place mostly.
+        accepted(everywhere)
+            .or_else(|| accepted(simplify_within_room(exact, &|c| self.room(c, slim)).ok()?))
+    }
+
+    /// How far outward a face of a hull may move, input length: at most `most`, a working length, and
+    /// no farther than ε from the solid, as far as distances at some of its points tell.
+    fn room(&self, corners: [DVec3; 3], most: f64) -> f64 {
+        let epsilon = self.judge.epsilon;
+        let [a, b, c] = corners.map(|p| self.working.work(p));
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        let steps = (longest / (SPACING * epsilon)).ceil().clamp(1.0, STEPS);
+        let at = |k: u32| f64::from(k) / steps;
+        let last = steps as u32;
+        let points = (0..=last).flat_map(|i| (0..=last - i).map(move |j| (i, j)));
+        let deepest = points
+            .map(|(i, j)| {
+                self.judge
+                    .solid
+                    .distance(a + (b - a) * at(i) + (c - a) * at(j))
+            })
+            .fold(0.0, f64::max);
+        // No point of a triangle is farther from its corners.
+        let between = longest / steps / 3f64.sqrt();
+        self.working
+            .input_length((epsilon - deepest - between).clamp(0.0, most))
     }
 
     /// At most `most_vertices` vertices, by simplification outward.
@@ -244,5 +268,57 @@ impl Finish<'_> {
             .map(|&p| self.working.work(p))
             .collect();
         convex_hull(&points).map_err(|e| DecomposeError::Internal(e.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::concavity::Limits;
+    use crate::shapes::ball;
+    use assetpipe_geometry::distance::SolidIndex;
+    use glam::DMat3;
+
+    /// The vertices of a fine ball's hull, and of what is left of it where hulls may reach `slim`
+    /// ε outward before they are proved.
+    fn slimmed(slim: f64) -> (usize, usize) {
+        let (working, solid) = Working::new(&ball(3), DMat3::IDENTITY);
+        let index = SolidIndex::new(&solid);
+        let limits = Limits::default();
+        let epsilon = 0.05;
+        let gap = Gap {
+            relative: 0.05,
+            absolute: 1e-3,
+        };
+        let finish = Finish {
+            working: &working,
+            judge: Judge {
+                solid: &index,
+                metric: Metric::Thickening,
+                epsilon,
+                limits: &limits,
+            },
+            slim,
+            gap,
+            cells: 1000,
+            most_vertices: 0,
+        };
+        let group = Proved {
+            hull: convex_hull(&solid.vertices).unwrap(),
+            thickening: Interval::exactly(0.0),
+            members: vec![0],
+        };
+        let exact = group.hull.vertices.len();
+        let (mesh, proved) = finish.run(&group, &[Piece::from(&solid)]).unwrap();
+        assert!(proved.thickening.upper <= epsilon);
+        (exact, mesh.vertices.len())
+    }
+
+    #[test]
+    fn hulls_are_simplified_where_there_is_room() {
+        assert_eq!(slimmed(0.0).0, slimmed(0.0).1);
+        // The proof refuses a reach of 20 ε, and every face has room for one.
+        let (exact, left) = slimmed(20.0);
+        assert!(left < exact / 2, "{left} of {exact}");
     }
 }

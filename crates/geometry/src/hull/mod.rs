@@ -16,7 +16,7 @@ use glam::DVec3;
 
 pub use flat::convex_hull_2d;
 pub use quickhull::Builder;
-pub use simplify::{simplify_outward, simplify_within, SimplifyError};
+pub use simplify::{simplify_outward, simplify_within, simplify_within_room, SimplifyError};
 pub use validate::{check_convex, ConvexityDefect};
 
 use crate::mesh::Mesh;

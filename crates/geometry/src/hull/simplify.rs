@@ -46,7 +46,7 @@ pub fn simplify_outward(hull: &Mesh, max_vertices: usize) -> Result<Mesh, Simpli
         return Err(SimplifyError::TooFew { max_vertices });
     }
     let hull = convex_hull(&hull.vertices)?;
-    let collapsed = collapse(&hull, max_vertices, f64::INFINITY)?;
+    let collapsed = collapse(&hull, max_vertices, Within::anywhere())?;
     if collapsed.vertices.len() <= max_vertices {
         Ok(collapsed)
     } else {
@@ -62,12 +62,28 @@ pub fn simplify_outward(hull: &Mesh, max_vertices: usize) -> Result<Mesh, Simpli
 /// # Errors
 /// [`HullError`] for flat input.
 pub fn simplify_within(hull: &Mesh, reach: f64) -> Result<Mesh, HullError> {
-    collapse(&convex_hull(&hull.vertices)?, 4, reach)
+    simplify_within_room(hull, &|_| reach)
+}
+
+/// As [`simplify_within`], with a reach for each face of the convex hull, given its corners: a new
+/// vertex lies within the largest of them of the hull, and no higher above the plane of any face than
+/// that one's. So no point of the result whose nearest point is on a face is farther from it than
+/// the face's reach.
+///
+/// # Errors
+/// [`HullError`] for flat input.
+pub fn simplify_within_room(
+    hull: &Mesh,
+    room: &dyn Fn([DVec3; 3]) -> f64,
+) -> Result<Mesh, HullError> {
+    let hull = convex_hull(&hull.vertices)?;
+    let within = Within::of(&hull, room);
+    collapse(&hull, 4, within)
 }
 
 /// Collapses edges until the count is met, or no edge is left to collapse
-/// whose point would be within `reach`.
-fn collapse(hull: &Mesh, max_vertices: usize, reach: f64) -> Result<Mesh, HullError> {
+/// whose point would be `within`.
+fn collapse(hull: &Mesh, max_vertices: usize, within: Within) -> Result<Mesh, HullError> {
     if hull.vertices.len() <= max_vertices {
         return Ok(hull.clone());
     }
@@ -76,7 +92,7 @@ fn collapse(hull: &Mesh, max_vertices: usize, reach: f64) -> Result<Mesh, HullEr
     let size = (high - low).max_element();
     let mut growing = Growing::new(&hull.vertices, 3.0 * size)?;
     let mut pricing = Pricing {
-        within: Within::of(hull, reach),
+        within,
         size,
         lift: 16.0 * rounding.crossing(),
         spare: SPARE * (size + low.abs().max(high.abs()).max_element()),
@@ -120,23 +136,42 @@ fn collapse(hull: &Mesh, max_vertices: usize, reach: f64) -> Result<Mesh, HullEr
 /// The points near a hull.
 struct Within {
     faces: Vec<Triangle>,
+    /// How far off a point may be.
     reach: f64,
+    /// Outward normals of faces with less reach, and how far along them a point may be.
+    tight: Vec<(DVec3, f64)>,
 }
 
 impl Within {
-    fn of(hull: &Mesh, reach: f64) -> Within {
-        let faces = if reach.is_infinite() {
-            Vec::new()
-        } else {
-            hull.faces().map(Triangle::new).collect()
-        };
-        Within { faces, reach }
+    fn anywhere() -> Within {
+        Within {
+            faces: Vec::new(),
+            reach: f64::INFINITY,
+            tight: Vec::new(),
+        }
+    }
+
+    fn of(hull: &Mesh, room: &dyn Fn([DVec3; 3]) -> f64) -> Within {
+        let faces: Vec<Triangle> = hull.faces().map(Triangle::new).collect();
+        let rooms: Vec<f64> = hull.faces().map(room).collect();
+        let reach = rooms.iter().copied().fold(0.0, f64::max);
+        let tight = hull.faces().zip(rooms).filter(|(_, room)| *room < reach);
+        let tight = tight.map(|([a, b, c], room)| {
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            (normal, normal.dot(a) + room)
+        });
+        Within {
+            faces,
+            reach,
+            tight: tight.collect(),
+        }
     }
 
     fn contains(&self, point: DVec3) -> bool {
         let reach2 = self.reach * self.reach;
         let near = |face: &Triangle| face.distance2(point) <= reach2;
-        self.reach.is_infinite() || self.faces.iter().any(near)
+        let low = |(normal, most): &(DVec3, f64)| normal.dot(point) <= *most;
+        self.reach.is_infinite() || (self.tight.iter().all(low) && self.faces.iter().any(near))
     }
 }
 

@@ -5,7 +5,9 @@ use glam::DVec3;
 use super::check;
 use crate::distance::Triangle;
 use crate::hull::circumscribe::contains;
-use crate::hull::{convex_hull, simplify_outward, simplify_within, SimplifyError};
+use crate::hull::{
+    convex_hull, simplify_outward, simplify_within, simplify_within_room, SimplifyError,
+};
 use crate::mesh::Mesh;
 use crate::properties::volume;
 use crate::sample::Random;
@@ -125,6 +127,29 @@ fn a_reach_is_kept_and_used() {
         }
         assert_eq!(simplify_within(&hull, 0.0).unwrap(), hull);
     }
+}
+
+#[test]
+fn no_point_rises_above_a_face_by_more_than_its_room() {
+    // None on one side of the ball, up to 0.05 on the other.
+    let hull = ball(300, 7);
+    let room = |[a, b, c]: [DVec3; 3]| ((a + b + c).x / 60.0).clamp(0.0, 0.05);
+    let simple = simplify_within_room(&hull, &room).unwrap();
+    assert!(contains(&simple, &hull).unwrap());
+    for corners in hull.faces() {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize();
+        let heights = simple.vertices.iter().map(|v| normal.dot(*v - a));
+        let highest = heights.fold(f64::NEG_INFINITY, f64::max);
+        assert!(highest <= room(corners) + 1e-12, "{highest}");
+    }
+    let kept = |side: f64| {
+        let left = simple.vertices.iter().filter(|v| v.x * side > 0.3).count();
+        let all = hull.vertices.iter().filter(|v| v.x * side > 0.3).count();
+        left as f64 / all as f64
+    };
+    assert!(kept(-1.0) == 1.0, "{}", kept(-1.0));
+    assert!(kept(1.0) < 0.6, "{}", kept(1.0));
 }
 
 #[test]
