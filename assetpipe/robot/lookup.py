@@ -7,7 +7,8 @@ Order for ``package://name/rest`` (and ``model://``, ``$(find name)/rest``):
 3. neighbouring packages by their ``package.xml``, up to two levels above the URDF's own package,
 4. ``ROS_PACKAGE_PATH``,
 5. ``AMENT_PREFIX_PATH`` (``share/name``), for ``model://`` the model paths of Gazebo,
-6. a folder called ``name`` above the URDF or next to one of those,
+6. a folder called ``name`` above the URDF or next to one of those (no link to elsewhere, unless a
+   package lies there),
 7. ``rest`` in the folders from the URDF up to its package's root.
 
 (6) is what PyBullet does with ``name/rest``. A relative reference counts from the URDF's
@@ -26,7 +27,13 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
-from assetpipe.robot.packages import Package, PackageIndex, ancestors, colcon_workspace
+from assetpipe.robot.packages import (
+    Package,
+    PackageIndex,
+    ancestors,
+    colcon_workspace,
+    is_name,
+)
 from assetpipe.robot.resolution import Means, Resolution
 
 if TYPE_CHECKING:
@@ -146,7 +153,7 @@ class Lookup:
 
     def _roots(self, name: str, scheme: str) -> Iterator[tuple[Path, Means]]:
         """Folders that may be the package of this name, best first."""
-        if not name or name in (".", ".."):
+        if not is_name(name):
             return
         resolver = self._resolver
         if name in resolver.packages:
@@ -171,8 +178,14 @@ class Lookup:
         for above in self._surroundings():
             if above.name == name:
                 yield above, "folder name"
-            elif (above / name).is_dir():
+            elif (above / name).is_dir() and self._stays(above / name):
                 yield above / name, "folder name"
+
+    def _stays(self, folder: Path) -> bool:
+        """Whether a folder that no manifest makes a package is one where it seems to be: a link
+        may lead anywhere."""
+        inside = folder.resolve().is_relative_to(folder.parent.resolve())
+        return inside or self._index.name_of(folder) is not None or self.allows(folder)
 
     def _in_package(self, uri: str, name: str, rest: str, scheme: str) -> Resolution:
         parts = PurePosixPath(rest)

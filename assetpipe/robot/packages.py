@@ -15,8 +15,8 @@ _MANIFEST = "package.xml"
 _MAX_ENTRIES = 2000
 """Entries of one folder that are looked at; a search must not become a scan of the disk."""
 _MAX_MANIFEST = 1 << 20
-_NAME = re.compile(r"(?!\.{1,2}$)[^/\\\x00-\x1f]{1,200}")
-"""What a package may be called: what a folder may."""
+_NAME = re.compile(r"(?!\.)[^/\\\x00-\x1f]{1,200}")
+"""What a package may be called: what a folder may that is not hidden."""
 _SKIPPED = {"build", "log", "node_modules", "__pycache__", "site-packages", "dist-packages"}
 
 
@@ -109,8 +109,13 @@ def _declared_name(manifest: Path) -> str | None:
         if str(element.tag).rpartition("}")[2] == "name":
             name = (element.text or "").strip()
             # It will be a folder in the output.
-            return name if _NAME.fullmatch(name) else None
+            return name if is_name(name) else None
     return None
+
+
+def is_name(text: str) -> bool:
+    """Whether a package may be called so: like a folder, and not like a path."""
+    return _NAME.fullmatch(text) is not None
 
 
 def colcon_workspace(prefix: Path) -> Path | None:

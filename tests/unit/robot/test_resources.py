@@ -276,3 +276,38 @@ def test_what_no_file_can_be_called_is_missing(package: Path, uri: str) -> None:
 def test_what_no_folder_can_be_called_names_no_package(package: Path, name: str) -> None:
     manifest(package, name)
     assert Resolver().beside(package / "urdf" / "arm.urdf").package is None
+
+
+@pytest.mark.parametrize(
+    "uri",
+    [
+        "$(find {secret})/a.stl",
+        "file://$(find {secret})/a.stl",
+        "$(find ../../../secret)/a.stl",
+        "$(find linked/deep)/b.stl",
+        "$(find linked)/a.stl",
+        "package://linked/a.stl",
+        "model://linked/a.stl",
+        "linked/a.stl",
+        "package://.hidden/a.stl",
+        "$(find .hidden)/a.stl",
+    ],
+)
+def test_neither_paths_for_packages_nor_links_nor_hidden_folders_lead_out(
+    package: Path, uri: str
+) -> None:
+    secret = package.parents[2] / "secret"
+    touch(secret / "a.stl")
+    touch(secret / "deep" / "b.stl")
+    (package / "urdf" / "linked").symlink_to(secret)
+    touch(package.parent / ".hidden" / "a.stl")
+    assert resolve(package, uri.format(secret=secret)).state in ("missing", "outside")
+
+
+def test_links_to_packages_are_followed(package: Path) -> None:
+    elsewhere = package.parents[2] / "elsewhere" / "repository"
+    manifest(elsewhere, "hand")
+    touch(elsewhere / "a.stl")
+    (package.parent / "hand_link").symlink_to(elsewhere)
+    assert resolve(package, "package://hand/a.stl").state == "found"
+    assert resolve(package, "package://hand_link/a.stl").state == "found"
