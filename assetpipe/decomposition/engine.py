@@ -46,9 +46,6 @@ _POLICY: dict[Metric, dict[str, str]] = {
     "concavity": {"policy": "lookahead", "ways": "2"},
 }
 
-_LARGEST = 1e60
-"""Metres; and its inverse is the smallest: cubes and squares of areas stay numbers."""
-
 
 def decompose(
     mesh: Mesh | trimesh.Trimesh | tuple[Any, Any],
@@ -101,7 +98,8 @@ def decompose(
     Raises:
         UsageError: an unknown name or an impossible number.
         MeshError: the mesh encloses no volume or cannot be made a solid.
-        LimitError: more parts than the engine allows, or a reach too small for the mesh.
+        LimitError: more parts than the engine allows, a reach too small for the mesh, or
+            coordinates beyond those that volumes can be computed of.
         CancelledError: ``on_progress`` returned ``False``.
     """
     from assetpipe import _core
@@ -208,15 +206,11 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
 
     Raises:
         MeshError: it cannot be made a solid.
+        LimitError: coordinates beyond those that volumes can be computed of.
     """
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
-    size = float(np.abs(mesh.bounds).max())
-    if size > _LARGEST or 0.0 < size < 1.0 / _LARGEST:
-        raise MeshError(
-            f"coordinates of the mesh are up to {size:g} m; volumes can be computed from "
-            f"{1.0 / _LARGEST:g} m to {_LARGEST:g} m"
-        )
+    mesh.check_size()
     edges = Edges.of(mesh.faces, len(mesh.vertices))
     from assetpipe.geometry import RepairPolicy, repair
     from assetpipe.geometry.repair.overlap import components_disagree
