@@ -23,6 +23,9 @@ NAMES = (
     "interlocked rings",
     "deep hole wider, by concavity",
     "trefoil",
+    "tube wall 10^-3",
+    "tube wall 10^-5",
+    "tubes in tubes",
 )
 """Rows with ties, whose numbers of hulls changed with place or mirror once."""
 
@@ -37,6 +40,10 @@ def beside(mesh: Mesh) -> Mesh:
     return Mesh(mesh.vertices + np.array([0.37, -1.21, 2.05]), mesh.faces)
 
 
+def smaller(mesh: Mesh) -> Mesh:
+    return mesh.scaled(0.37)
+
+
 @cache
 def as_it_is(row: Solid) -> Decomposition:
     return decompose(row.mesh, row.epsilon(row.mesh), metric=row.metric, threads=1)
@@ -46,7 +53,7 @@ def test_the_rows_are_there():
     assert len(ROWS) == len(NAMES)
 
 
-@pytest.mark.parametrize("change", [mirrored, upside_down, beside, far, huge])
+@pytest.mark.parametrize("change", [mirrored, upside_down, beside, far, huge, smaller])
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_place_mirror_and_unit_change_neither_count_nor_bound(row: Solid, change):
     mesh = change(row.mesh)

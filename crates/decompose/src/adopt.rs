@@ -151,9 +151,10 @@ mod tests {
     fn a_hull_without_volume_is_dropped_and_its_points_are_held() {
         let cube = cuboid(DVec3::ZERO, DVec3::ONE);
         let (working, copy) = Working::new(&cube, DMat3::IDENTITY);
-        // A sheet on the upper side of the copy, as thin as an ulp, that is flat as it came.
-        let above = copy.vertices.iter().filter(|p| p.z > 0.0).copied();
-        let sheet: Vec<DVec3> = above.chain([DVec3::new(0.0, 0.0, 1.0 + 2e-16)]).collect();
+        // A sheet on the copy of the upper side, as thin as an ulp, that is flat as it came.
+        let up = working.work(DVec3::new(0.5, 0.5, 1.0));
+        let above = copy.vertices.iter().filter(|p| p.dot(up) > 0.0).copied();
+        let sheet: Vec<DVec3> = above.chain([up * (1.0 + 2e-16)]).collect();
         let hull = convex_hull(&sheet).unwrap();
         let mut cover = Cover {
             hulls: vec![proved(&hull, 0), proved(&copy, 1)],

@@ -2,10 +2,10 @@
 //! (Wei et al. 2022), as a deep hole that is narrower than ε, where no space is forbidden. Like
 //! [`forbidden`](crate::forbidden) samples they only make the search foresee the proof.
 
+use assetpipe_geometry::distance::ConvexBody;
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 
-use crate::merge::half_spaces;
 use crate::search::piece::Piece;
 use crate::search::sweep::Forbidden;
 
@@ -21,13 +21,9 @@ pub fn sample(
     count: usize,
     height: f64,
 ) -> Vec<Forbidden> {
-    // Faces without area bound nothing that their neighbours do not.
-    let planes: Vec<(DVec3, f64)> = half_spaces(hull)
-        .into_iter()
-        .filter(|(n, _)| *n != DVec3::ZERO)
-        .map(|(n, offset)| (n / n.length(), offset / n.length()))
-        .collect();
-    let is_deep = |p: DVec3| planes.iter().all(|(n, offset)| n.dot(p) < offset - epsilon);
+    let body = ConvexBody::new(hull);
+    let planes = body.half_spaces();
+    let is_deep = |p: DVec3| planes.iter().all(|s| s.normal.dot(p) < s.offset - epsilon);
     let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let corners = || (piece.triangles.iter()).map(|t| t.map(|v| piece.points[v as usize]));
     let cell = corners().map(area).sum::<f64>() / count as f64;

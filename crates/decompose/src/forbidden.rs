@@ -2,12 +2,11 @@
 //! solid. They make the search foresee what the proof will reject; they never
 //! accept anything.
 
-use assetpipe_geometry::distance::SolidIndex;
+use assetpipe_geometry::distance::{ConvexBody, SolidIndex};
 use assetpipe_geometry::Mesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::merge::half_spaces;
 use crate::search::sweep::Forbidden;
 
 /// What is equal but for so much is equal: samples on faces of the hull are inside, distances of
@@ -36,9 +35,10 @@ pub fn sample(solid: &SolidIndex, hull: &Mesh, epsilon: f64, count: usize) -> Ve
         hi,
         number,
         step: size / number,
-        planes: half_spaces(hull)
-            .into_iter()
-            .map(|(n, offset)| (n, offset + EVEN * n.length()))
+        planes: ConvexBody::new(hull)
+            .half_spaces()
+            .iter()
+            .map(|s| (s.normal, s.offset + EVEN))
             .collect(),
     };
     let layers: Vec<Vec<Forbidden>> = (0..number.x as usize)
@@ -138,5 +138,34 @@ impl Grid<'_> {
             nearer.distance2
         });
         distance2.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::cuboid;
+    use assetpipe_geometry::hull::convex_hull;
+    use glam::DMat3;
+
+    /// Where rounding put points of a side beside its plane, the hull has faces as high as that, whose
+    /// normals are noise.
+    #[test]
+    fn faces_without_direction_hide_no_sample() {
+        let grid = |i: u32| f64::from(i % 7) / 3.0 - 1.0;
+        let side = (0..49).map(|i| (grid(i), grid(i / 7)));
+        let points: Vec<DVec3> = side
+            .flat_map(|(u, v)| [(u, v, -1.0), (u, v, 1.0), (u, -1.0, v), (u, 1.0, v)])
+            .map(|(x, y, z)| DVec3::new(x, y, z))
+            .collect();
+        let solid = SolidIndex::new(&cuboid(DVec3::splat(-0.01), DVec3::splat(0.01)));
+        for k in 0..30 {
+            let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), f64::from(k));
+            let turned: Vec<DVec3> = points.iter().map(|&p| turn * p).collect();
+            let hull = convex_hull(&turned).unwrap();
+            let samples = sample(&solid, &hull, 0.05, 2000);
+            let weight: f64 = samples.iter().map(|s| s.weight).sum();
+            assert!((weight - 8.0).abs() < 0.4, "{k}: {weight}");
+        }
     }
 }

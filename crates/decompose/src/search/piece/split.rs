@@ -9,7 +9,7 @@ use super::{Cap, Piece};
 /// Vertices this close to a plane that is along no axis are on it: the rounding of a height
 /// (working copies have extent ~1). More would take from parts what no other part gets. Along the
 /// axes coordinates are exact.
-const ON: f64 = 64.0 * f64::EPSILON;
+const ON: f64 = 512.0 * f64::EPSILON;
 
 /// Side of a point: below, on or above a plane.
 fn side(h: f64, on: f64) -> i8 {
