@@ -58,6 +58,11 @@ def read_yaml(path: Path) -> tuple[dict[str, Any], dict[tuple[Hashable, ...], in
         problem = getattr(error, "problem", None) or "not YAML"
         line = mark.line + 1 if mark else None
         raise ConfigError(f"is not YAML: {problem}", location=Location(path, line)) from error
+    except RecursionError as error:
+        raise ConfigError("is nested too deeply", location=Location(path)) from error
+    except (ValueError, KeyError, AttributeError) as error:
+        # What PyYAML raises for dates and numbers that are none.
+        raise ConfigError(f"has a value that is none: {error}", location=Location(path)) from error
     if values is None:
         values = {}
     if not isinstance(values, dict):

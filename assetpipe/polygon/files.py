@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,8 @@ SUFFIXES = (".geojson", ".csv", ".svg")
 
 _MAX_BYTES = 256 << 20
 _MAX_POINTS = 10_000_000
+_UNREADABLE = (ArithmeticError, AssertionError, AttributeError, LookupError, TypeError, ValueError)
+"""What svg.path raises for paths that it cannot read."""
 
 Rings = tuple[NDArray[np.float64], ...]
 
@@ -65,6 +69,10 @@ def read_outlines(path: Path, *, flatness: float = 1e-3) -> tuple[ReadOutline, .
         raise InputError("no polygon in this file", location=Location(path))
     if sum(len(ring) for outline in outlines for ring in outline.rings) > _MAX_POINTS:
         raise LimitError("more than ten million points", location=Location(path))
+    for outline in outlines:
+        if not all(np.isfinite(ring).all() for ring in outline.rings):
+            message = f"outline '{outline.name[:80]}' has a coordinate that is not finite"
+            raise InputError(message, location=Location(path))
     return tuple(outlines)
 
 
@@ -74,20 +82,20 @@ def _geojson(path: Path, data: bytes, _flatness: float) -> list[ReadOutline]:
     except (ValueError, RecursionError) as error:
         raise InputError(f"not JSON: {error}", location=Location(path)) from error
     found: list[ReadOutline] = []
-    pending: list[tuple[Any, str | None]] = [(document, None)]
+    pending: deque[tuple[Any, str | None]] = deque([(document, None)])
     while pending:
-        value, name = pending.pop(0)
+        value, name = pending.popleft()
         if not isinstance(value, dict):
             continue
         kind = value.get("type")
         if kind == "FeatureCollection":
-            pending += [(feature, None) for feature in value.get("features") or []]
+            pending += [(feature, None) for feature in _listed(path, value, "features")]
         elif kind == "Feature":
             properties = value.get("properties")
             named = properties.get("name") if isinstance(properties, dict) else None
             pending.append((value.get("geometry"), str(named) if named is not None else None))
         elif kind == "GeometryCollection":
-            pending += [(geometry, name) for geometry in value.get("geometries") or []]
+            pending += [(geometry, name) for geometry in _listed(path, value, "geometries")]
         elif kind in ("Polygon", "MultiPolygon"):
             coordinates: Any = value.get("coordinates")
             try:
@@ -99,6 +107,13 @@ def _geojson(path: Path, data: bytes, _flatness: float) -> list[ReadOutline]:
     return found
 
 
+def _listed(path: Path, value: dict[str, Any], name: str) -> list[Any]:
+    found = value.get(name) or []
+    if not isinstance(found, list):
+        raise InputError(f"'{name}' is no list", location=Location(path))
+    return found
+
+
 def _csv(path: Path, data: bytes, _flatness: float) -> list[ReadOutline]:
     try:
         text = data.decode("utf-8-sig")
@@ -106,7 +121,7 @@ def _csv(path: Path, data: bytes, _flatness: float) -> list[ReadOutline]:
         raise InputError("not UTF-8 text", location=Location(path)) from error
     rings: dict[str, list[tuple[float, float]]] = {}
     block = 0
-    for line, row in enumerate(csv.reader(text.splitlines()), 1):
+    for line, row in enumerate(_rows(path, text), 1):
         cells = [cell.strip() for cell in row]
         if not any(cells):
             block += 1
@@ -121,6 +136,13 @@ def _csv(path: Path, data: bytes, _flatness: float) -> list[ReadOutline]:
         rings.setdefault(key, []).append((x, y))
     read = tuple(_ring(path, ring) for ring in rings.values())
     return [ReadOutline(path.stem, read)] if read else []
+
+
+def _rows(path: Path, text: str) -> Iterator[list[str]]:
+    try:
+        yield from csv.reader(text.splitlines())
+    except csv.Error as error:
+        raise InputError(f"not CSV: {error}", location=Location(path)) from error
 
 
 def _svg(path: Path, data: bytes, flatness: float) -> list[ReadOutline]:
@@ -144,8 +166,9 @@ def _svg(path: Path, data: bytes, flatness: float) -> list[ReadOutline]:
         try:
             commands = parse_path(element.get("d") or "")
             rings = _subpaths(commands, flatness)
-        except (ValueError, IndexError, ZeroDivisionError) as error:
-            raise InputError(f"bad path: {error}", location=place) from error
+        except _UNREADABLE as error:
+            why = str(error) or "commands that cannot stand where they do"
+            raise InputError(f"bad path: {why}", location=place) from error
         closed = tuple(ring for ring in rings if len(ring) > 2)
         if closed:
             found.append(ReadOutline(element.get("id") or str(len(found)), closed))
@@ -156,6 +179,8 @@ def _subpaths(commands: Any, flatness: float) -> list[NDArray[np.float64]]:
     """Subpaths as points; a curve in as many chords as its control polygon's length asks for."""
     ends = [p for c in commands for p in (c.start, c.end)]
     size = max((abs(p - ends[0]) for p in ends), default=0.0) or 1.0
+    # Lengths are measured by halving until they stay the same to within this.
+    error = 1e-3 * max([size, *(_reach(c) for c in commands)])
     rings: list[list[complex]] = []
     for command in commands:
         kind = type(command).__name__
@@ -166,16 +191,23 @@ def _subpaths(commands: Any, flatness: float) -> list[NDArray[np.float64]]:
         elif kind != "Move":
             # the sagitta of m equal chords falls with 1/m²; an arc of the size of the path
             # needs about sqrt(π² / (8 · flatness)) of them
-            share = min(1.0, command.length(error=1e-3) / size)
+            share = min(1.0, command.length(error=error) / size)
             m = max(2, int(np.ceil(np.sqrt(10.0 * share / (8.0 * flatness)))))
             rings[-1].extend(command.point(k / m) for k in range(1, m + 1))
     return [np.array([[p.real, p.imag] for p in ring], dtype=np.float64) for ring in rings]
 
 
+def _reach(command: Any) -> float:
+    """How far a curve's control points or radii reach from its start, at most."""
+    controls = (getattr(command, name, None) for name in ("control", "control1", "control2"))
+    reach = [abs(p - command.start) for p in controls if p is not None]
+    return float(max([*reach, abs(getattr(command, "radius", 0.0))]))
+
+
 def _ring(path: Path, points: Any) -> NDArray[np.float64]:
     try:
         ring = np.array([[float(p[0]), float(p[1])] for p in points], dtype=np.float64)
-    except (TypeError, ValueError, IndexError, KeyError) as error:
+    except (TypeError, ValueError, IndexError, KeyError, OverflowError) as error:
         raise InputError(f"bad coordinates: {error}", location=Location(path)) from error
     if len(ring) < 3:
         raise InputError(f"a ring of {len(ring)} points", location=Location(path))

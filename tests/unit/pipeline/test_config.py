@@ -115,3 +115,18 @@ def test_config_is_frozen_and_changes_by_copy() -> None:
 
 def test_jobs_do_not_decide_the_output() -> None:
     assert Config(jobs=1).as_dict() == Config(jobs=7).as_dict()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[" * 100_000,
+        "seed: 2020-13-45",
+        "seed: " + "9" * 5000,
+        "seed: !!int x",
+        "seed: !!bool x",
+        "seed: !!timestamp x",
+    ],
+)
+def test_values_that_yaml_itself_fails_on_are_told_with_the_file(tmp_path: Path, text: str) -> None:
+    assert "c.yaml: " in refused(tmp_path, text)

@@ -1,6 +1,7 @@
 """Outlines from files."""
 
 import json
+from time import process_time
 
 import numpy as np
 import pytest
@@ -74,6 +75,17 @@ def test_svg_lines_and_curves(tmp_path):
         ("a.svg", "<svg"),
         ("a.svg", '<svg xmlns="http://www.w3.org/2000/svg"><path d="M 0 0 L"/></svg>'),
         ("a.svg", '<svg xmlns="http://www.w3.org/2000/svg"/>'),
+        ("a.geojson", '{"type": "FeatureCollection", "features": 5}'),
+        ("a.geojson", '{"type": "GeometryCollection", "geometries": {"a": 1}}'),
+        ("a.geojson", '{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [NaN, 1]]]}'),
+        (
+            "a.geojson",
+            f'{{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [{10**400}, 1]]]}}',
+        ),
+        ("a.csv", "1" * 200_000 + ",2\n"),
+        ("a.csv", "0,0\n1,0\ninf,1\n"),
+        ("a.svg", '<svg><path d="z"/></svg>'),
+        ("a.svg", '<svg><path d="M 0 0 A 1 1 0 7 1 1 1 z"/></svg>'),
     ],
 )
 def test_damaged_files_are_told_with_their_place(tmp_path, name, text):
@@ -82,6 +94,19 @@ def test_damaged_files_are_told_with_their_place(tmp_path, name, text):
     with pytest.raises(InputError) as caught:
         read_outlines(path)
     assert caught.value.location.file == path
+
+
+def test_many_features_and_far_control_points_take_no_time(tmp_path):
+    features = [{}] * 300_000 + [{"geometry": {"type": "Polygon", "coordinates": [SQUARE]}}]
+    for feature in features[-1:]:
+        feature["type"] = "Feature"
+    many = tmp_path / "a.geojson"
+    many.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    far = tmp_path / "a.svg"
+    far.write_text('<svg><path d="M 0 0 C 1e200 1e200 -1e200 3 1 1 z"/></svg>')
+    clock = process_time()
+    assert len(read_outlines(many)) == len(read_outlines(far)) == 1
+    assert process_time() - clock < 3.0
 
 
 def test_entities_of_an_svg_are_not_expanded(tmp_path):
