@@ -54,25 +54,20 @@ pub fn build(
     finish: &Finish<'_>,
     leaves: Vec<(Mesh, Proved)>,
 ) -> Result<Vec<Node>, DecomposeError> {
+    let leaf = |(mesh, proved)| Node {
+        mesh,
+        proved,
+        children: None,
+    };
     let standing: Vec<Arc<Standing>> = leaves
         .into_par_iter()
-        .map(|(mesh, proved)| {
-            Arc::new(Standing::new(Node {
-                mesh,
-                proved,
-                children: None,
-            }))
-        })
+        .map(|found| Arc::new(Standing::new(leaf(found))))
         .collect();
+    let numbered = |k: usize| (k as u32, &standing[k]);
     let first: Vec<Turn> = (0..standing.len())
         .into_par_iter()
         .flat_map_iter(|j| (0..j).map(move |i| [i, j]))
-        .map(|[i, j]| {
-            glance(
-                finish.judge.solid,
-                [(i as u32, &standing[i]), (j as u32, &standing[j])],
-            )
-        })
+        .map(|pair| glance(finish.judge.solid, pair.map(numbered)))
         .collect();
     let mut levels = Levels {
         finish,
@@ -143,8 +138,11 @@ enum Done {
     Glanced(Vec<Turn>),
     /// Before and after.
     Estimated(Turn, Turn),
-    Joined(Turn, Result<Arc<Standing>, DecomposeError>),
+    Joined(Turn, Joined),
 }
+
+/// The node of a pair. What was joined ahead of its turn may fail without anybody asking for it.
+type Joined = Result<Arc<Standing>, DecomposeError>;
 
 fn run(finish: &Finish<'_>, task: Task) -> Done {
     let solid = finish.judge.solid;
@@ -182,7 +180,7 @@ struct Levels<'a> {
     nodes: Vec<Arc<Standing>>,
     /// Which of them have no parent yet.
     open: Vec<bool>,
-    order: Order<(Turn, Look), (), Arc<Standing>>,
+    order: Order<(Turn, Look), (), Joined>,
     /// Nodes that are still to be glanced at with another.
     unseen: Vec<Vec<(u32, Arc<Standing>)>>,
     /// How many of these come before anything has its turn.
@@ -199,10 +197,16 @@ impl Turns for Levels<'_> {
             return None;
         }
         while self.glancing == 0 {
-            let Some((key, node)) = self.order.settle() else {
+            let Some((key, joined)) = self.order.settle() else {
                 break;
             };
-            self.stand(key, node);
+            match joined {
+                Ok(node) => self.stand(key, node),
+                Err(error) => {
+                    self.failed = Some(error);
+                    return None;
+                }
+            }
         }
         if let Some(nodes) = self.unseen.pop() {
             return Some(Task::Glance(nodes));
@@ -228,8 +232,7 @@ impl Turns for Levels<'_> {
                 let (before, after) = ((before, Look::Glance), (after, Look::Estimate));
                 self.order.again(before, after, ());
             }
-            Done::Joined(turn, Ok(node)) => self.order.answer((turn, Look::Estimate), node),
-            Done::Joined(_, Err(error)) => self.failed = Some(error),
+            Done::Joined(turn, joined) => self.order.answer((turn, Look::Estimate), joined),
         }
     }
 }

@@ -60,8 +60,9 @@ pub fn half_spaces(hull: &Mesh) -> Vec<(DVec3, f64)> {
         .collect()
 }
 
-/// Pairs whose joined hulls are kept until their turn; beyond that they are made again.
-const KEPT: usize = 1 << 15;
+/// A joined hull is kept until its turn if so many vertices are enough for one like it for each pair
+/// that waits; else it is made again.
+const KEPT: usize = 1 << 20;
 
 /// Merge pairs, cheapest added volume first, for as long as a merged hull is
 /// proved to stay within ε. `witnesses` are known points farther than ε from
@@ -311,7 +312,7 @@ impl Merging<'_> {
     /// Let pairs wait for their turn.
     fn put(&mut self, pairs: Vec<(Turn, Mesh)>) {
         for (turn, hull) in pairs {
-            let kept = self.order.len() < KEPT;
+            let kept = self.order.len() * hull.vertices.len() < KEPT;
             self.order.push(turn, kept.then_some(hull));
         }
     }
