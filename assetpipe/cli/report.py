@@ -10,6 +10,7 @@ import click
 
 from assetpipe.cli import options
 from assetpipe.cli.options import STDOUT, JsonCommand
+from assetpipe.errors import InputError, Location
 
 
 @click.command(cls=JsonCommand)
@@ -29,11 +30,15 @@ def command(out: Path, **given: Any) -> int:
     from assetpipe.report.terminal import console_for, show_build
 
     record = read_record(out)
-    if given["junit"]:
-        write_junit(given["junit"], record["robots"], unowned(record))
-    if given["sarif"]:
-        write_sarif(given["sarif"], record["findings"], root=Path.cwd())
-    options.deliver_json(given["json_file"], record)
-    if given["json_file"] != STDOUT:
-        show_build(console_for(sys.stdout), record)
+    try:
+        if given["junit"]:
+            write_junit(given["junit"], record["robots"], unowned(record))
+        if given["sarif"]:
+            write_sarif(given["sarif"], record["findings"], root=Path.cwd())
+        options.deliver_json(given["json_file"], record)
+        if given["json_file"] != STDOUT:
+            show_build(console_for(sys.stdout), record)
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        # Whoever wrote it: not all of it is there, or something else is in its place.
+        raise InputError("is a damaged report of assetpipe", location=Location(out)) from error
     return 0

@@ -71,18 +71,11 @@ def digest_file(path: str | os.PathLike[str]) -> str:
 
 
 def digest_mesh(path: Path) -> str:
-    """SHA-256 in hex of a mesh file and of the buffers that a ``.gltf`` refers to."""
+    """SHA-256 in hex of a mesh file and of the files that a glTF or GLB keeps its buffers in."""
     own = digest_file(path)
-    if path.suffix.lower() != ".gltf":
+    if path.suffix.lower() not in (".gltf", ".glb"):
         return own
-    try:
-        buffers = json.loads(path.read_bytes())["buffers"]
-        names = [str(buffer.get("uri", "")) for buffer in buffers]
-    except (ValueError, KeyError, TypeError, AttributeError):
-        return own  # reading it will say what is wrong
-    parts = [own]
-    for name in names:
-        near = path.parent / name
-        if not name.startswith("data:") and near.is_file():
-            parts.append(digest_file(near))
-    return digest_of(parts)
+    from assetpipe.geometry.formats.gltf_buffers import files_of
+
+    files = files_of(path)
+    return digest_of([own, *map(digest_file, files)]) if files else own

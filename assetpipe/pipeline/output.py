@@ -133,7 +133,7 @@ def provenance_of(folder: Path) -> dict[str, Any] | None:
     """The provenance of a folder that we wrote, else ``None``."""
     try:
         data = json.loads((folder / PROVENANCE).read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     if not isinstance(data, dict) or not isinstance(data.get("assetpipe"), dict):
         return None

@@ -91,7 +91,7 @@ def read_record(out: Path) -> dict[str, Any]:
             f"cannot be read ({error.strerror}); name a folder that assetpipe built",
             location=Location(path),
         ) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"is not JSON: {error}", location=Location(path)) from error
     if not isinstance(data, dict) or data.get("schema") != SCHEMA or "robots" not in data:
         raise InputError("is no report of assetpipe", location=Location(path))

@@ -142,3 +142,18 @@ def test_a_signal_that_a_library_swallows_still_stops_the_build(
     assert shell.run(["build", str(mesh), "-o", str(out), "--no-cache"]) == 130
     assert not out.exists()
     assert "interrupted" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"schema": 1, "robots": 5}',
+        '{"schema": 1, "robots": [{}], "findings": []}',
+        '{"schema": 1, "robots": [], "findings": [{"severity": "error"}]}',
+    ],
+)
+def test_a_damaged_report_is_told_and_exits_2(cli: Cli, tmp_path: Path, text: str) -> None:
+    (tmp_path / "report.json").write_text(text)
+    done = cli("report", "report.json")
+    assert done.returncode == 2
+    assert "report.json: is a damaged report" in done.stderr

@@ -257,6 +257,29 @@ def beside(path: Path, uri: str) -> Path | None:
     return found if found.is_relative_to(folder) else None
 
 
+def files_of(path: Path) -> tuple[Path, ...]:
+    """The files that a document keeps its buffers in, each once; none where it cannot be read."""
+    try:
+        if path.stat().st_size > FileLimits().max_bytes:
+            return ()
+        data = path.read_bytes()
+        header = chunks(data, path)[0] if data[:4] == b"glTF" else data
+        buffers = json.loads(header.decode("utf-8-sig"))["buffers"]
+        uris = dict.fromkeys(buffer["uri"] for buffer in buffers if "uri" in buffer)
+    except (InputError, OSError, ValueError, LookupError, TypeError, RecursionError):
+        return ()
+    named = (uri for uri in uris if isinstance(uri, str) and not uri.startswith("data:"))
+    found = dict.fromkeys(beside(path, uri) for uri in named)
+    return tuple(file for file in found if file is not None and _is_file(file))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name too long
+        return False
+
+
 def _beside(document: Gltf, uri: str, room: int) -> bytes:
     found = beside(document.path, uri)
     if found is None:
