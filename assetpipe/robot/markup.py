@@ -23,7 +23,6 @@ MAX_DEPTH = 500
 
 _DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
 _VERSION = re.compile(rb"^<\?xml\s+version\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
-_COMMENT = re.compile(rb"<!--(.*?)-->", re.DOTALL)
 _LEGIBLE = re.compile(rb"[^\r\n]")
 _MISPLACED_DECLARATION = expat.errors.codes[expat.errors.XML_ERROR_MISPLACED_XML_PI]
 
@@ -255,7 +254,7 @@ def _tolerate(text: bytes, error: expat.ExpatError, builder: _Builder) -> tuple[
         return legible, Slip(line, "bytes that are not UTF-8 (read as '?')")
     opened = text.rfind(b"<!--", 0, at + 4)
     if opened >= 0 and b"-->" not in text[opened:at]:
-        return _COMMENT.sub(_blank_comment, text), Slip(line, "'--' inside of a comment")
+        return _with_blank_comments(text), Slip(line, "'--' inside of a comment")
     return None
 
 
@@ -265,5 +264,10 @@ def _as_legible(text: bytes) -> bytes:
     return "".join("?" if "\udc80" <= c <= "\udcff" else c for c in decoded).encode("utf-8")
 
 
-def _blank_comment(match: re.Match[bytes]) -> bytes:
-    return b"<!--" + _LEGIBLE.sub(b" ", match[1]) + b"-->"
+def _with_blank_comments(text: bytes) -> bytes:
+    parts, at = [], 0
+    # Found one by one: a pattern would look for the end from every beginning that has none.
+    while (start := text.find(b"<!--", at)) >= 0 and (end := text.find(b"-->", start + 4)) >= 0:
+        parts += [text[at : start + 4], _LEGIBLE.sub(b" ", text[start + 4 : end])]
+        at = end
+    return b"".join([*parts, text[at:]])

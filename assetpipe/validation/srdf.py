@@ -18,6 +18,8 @@ Reason = Literal["Adjacent", "Always", "Never", "Default"]
 touching at home."""
 
 MAX_BYTES = 16 << 20
+_END = re.compile(rb"</robot\s*>\s*(?:<!--(?:(?!-->).)*-->\s*)*\Z", re.DOTALL)
+"""The root's end tag, and comments after it, each ended once: nothing is tried twice."""
 
 
 @dataclass(frozen=True)
@@ -103,11 +105,11 @@ def patch_srdf(source: bytes, pairs: Iterable[DisabledPair], *, path: Path | Non
     newline = b"\r\n" if b"\r\n" in source else b"\n"
     codec = root.getroottree().docinfo.encoding or "utf-8"
     lines = [b"    " + p.element.encode(codec, "xmlcharrefreplace") + newline for p in missing]
-    end = re.search(rb"[ \t]*</robot\s*>\s*(?:<!--.*?-->\s*)*\Z", source, re.DOTALL)
+    end = _END.search(source)
     if end is not None:
-        before = source[: end.start()]
+        before = source[: end.start()].rstrip(b" \t")
         glue = b"" if before.endswith(b"\n") or not before else newline
-        return before + glue + b"".join(lines) + source[end.start() :]
+        return before + glue + b"".join(lines) + source[len(before) :]
     empty = re.search(rb"<robot\b[^>]*/>", source)
     if empty is None:
         raise InputError("SRDF's closing tag cannot be found", location=where)

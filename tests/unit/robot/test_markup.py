@@ -1,6 +1,7 @@
 """XML with byte offsets: every element is found where it stands."""
 
 from pathlib import Path
+from time import process_time
 from xml.sax.saxutils import escape, quoteattr
 
 import pytest
@@ -150,3 +151,10 @@ def test_entities_of_an_external_document_type_are_unknown() -> None:
 def test_depth_is_limited() -> None:
     with pytest.raises(LimitError):
         read_markup(b"<a>" * 100_000, FILE)
+
+
+def test_beginnings_of_comments_without_end_take_no_time() -> None:
+    clock = process_time()
+    with pytest.raises(InputError):
+        read_markup(b"<a>" + b"<!--" * 200_000, FILE)
+    assert process_time() - clock < 3.0

@@ -124,3 +124,16 @@ def test_reasons_come_from_what_was_seen():
     assert reasons["b", "c"] == "Never"
     assert reasons["a", "b"] == "Always"
     assert [p.pair for p in disabled_pairs(many, with_geometry=["a", "b"])] == [("a", "b")]
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        b"<![CDATA[</robot>" + b"<!--a-->" * 100 + b"x]]>",
+        b" " * 300_000 + b"<a/>",
+    ],
+)
+def test_text_like_an_end_takes_no_time(inside):
+    patched = patch_srdf(b'<robot name="r">' + inside + b"</robot>", PAIRS[:1])
+    assert entries(patched) == [("base", "hand", "Default")]
+    assert inside in patched
