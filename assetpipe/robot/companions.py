@@ -22,6 +22,11 @@ _SUFFIXES = {
     ".mtl", ".bin", ".png", ".jpg", ".jpeg", ".jpe", ".tga", ".bmp", ".gif", ".tif", ".tiff",
     ".dds", ".ktx", ".ktx2", ".webp", ".hdr", ".exr", ".pbm", ".pgm", ".ppm", ".psd", ".material",
 }  # fmt: skip
+_DRAWN = {
+    ".3ds", ".3mf", ".blend", ".fbx", ".igs", ".iges", ".lwo", ".mesh", ".step", ".stp", ".usd",
+    ".usda", ".usdc", ".usdz", ".vrml", ".wrl", ".x3d",
+}  # fmt: skip
+"""Kinds of meshes that others draw and nobody here reads."""
 _LIBRARY = re.compile(rb"^[ \t]*mtllib[ \t]+([^\r\n]+)", re.MULTILINE)
 _MAP = re.compile(
     rb"^[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+([^\r\n]+)", re.MULTILINE | re.IGNORECASE
@@ -70,6 +75,14 @@ def _followed(folder: Path, reference: str, root: Path) -> Iterator[Companion]:
         second = _companion(first.source.parent, texture, root)
         if second is not None:
             yield Companion(shift / second.reference, second.source)
+
+
+def is_drawn(path: Path) -> bool:
+    """Whether a file is of a kind that robots are drawn with: a mesh, or an image."""
+    from assetpipe.geometry.files import SUFFIXES
+
+    suffix = path.suffix.lower()
+    return suffix in _DRAWN or suffix in _SUFFIXES or suffix in SUFFIXES
 
 
 def _companion(folder: Path, reference: str, root: Path) -> Companion | None:

@@ -31,8 +31,9 @@ from typing import Literal
 
 from assetpipe.errors import Location
 from assetpipe.findings import Finding, Severity
-from assetpipe.robot.companions import companions
+from assetpipe.robot.companions import companions, is_drawn
 from assetpipe.robot.model import Reference, Robot
+from assetpipe.robot.resolution import shortened
 
 HULLS = "collision_hulls"
 """Name of the folders that hold hulls."""
@@ -224,9 +225,23 @@ class _Plan:
     def copies(
         self, references: Iterable[Reference]
     ) -> tuple[tuple[Copy, ...], tuple[Finding, ...]]:
-        """Every file that these references need, and places that several files claim."""
+        """Every file that these references need; places that several files claim, and files that
+        strangers may not have meant to be handed on."""
         places: dict[str, Copy] = {}
         findings: list[Finding] = []
+        references = tuple(references)
+        for named in references:
+            path = named.resolution.path
+            if path is not None and not is_drawn(path):
+                findings.append(
+                    Finding(
+                        "AP102",
+                        Severity.WARNING,
+                        f"'{shortened(named.uri)}' is no kind of mesh or image: not copied",
+                        location=Location(self._robot.path, named.line),
+                        link=named.link,
+                    )
+                )
         wanted: list[tuple[Copy, Reference | None]]
         wanted = [(copy, r) for r in references for copy in self._needed(r)]
         wanted += [(copy, None) for copy in self._manifests()]
@@ -250,6 +265,8 @@ class _Plan:
     def _needed(self, reference: Reference) -> Iterable[Copy]:
         resolution = reference.resolution
         if resolution.path is None or resolution.root is None or resolution.means == "file":
+            return
+        if not is_drawn(resolution.path):
             return
         if resolution.package is None:
             to = _inside(self.folder, resolution.rest)

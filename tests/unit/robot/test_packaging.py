@@ -376,3 +376,28 @@ def test_hulls_load_where_they_are_referred_to(tmp_path: Path) -> None:
     assert "shapes 2 1" in done.stdout
     model = yourdfpy.URDF.load(str(tmp_path / "out" / layout.urdf), load_collision_meshes=True)
     np.testing.assert_allclose(model.scene.bounds[1], [0.05, 0.1, 0.15])
+
+
+def test_files_that_no_robot_is_drawn_with_are_not_handed_on(tmp_path: Path) -> None:
+    home = tmp_path / "arm_description"
+    manifest(home, "arm_description")
+    mesh(home / "meshes/arm.obj")
+    (home / "meshes/drawing.WRL").write_text("#VRML")
+    (tmp_path / "Documents").mkdir()
+    (tmp_path / "Documents/letter.txt").write_text("private")
+    description = urdf(
+        home / "urdf/arm.urdf",
+        collisions=("package://arm_description/meshes/arm.obj",),
+        visuals=(
+            "package://arm_description/meshes/drawing.WRL",
+            "package://Documents/letter.txt",
+        ),
+    )
+    robot = read_robot(description, resolver=Resolver()).robot
+    layout = lay_out(robot, replaced=[])
+    copied = {copy.to.name for copy in layout.copies}
+    assert {"arm.obj", "drawing.WRL"} <= copied
+    assert "letter.txt" not in copied
+    told = [finding for finding in layout.findings if finding.code == "AP102"]
+    assert len(told) == 1
+    assert "letter.txt" in told[0].message
