@@ -379,17 +379,17 @@ def test_hulls_load_where_they_are_referred_to(tmp_path: Path) -> None:
 
 
 def test_files_that_no_robot_is_drawn_with_are_not_handed_on(tmp_path: Path) -> None:
-    home = tmp_path / "arm_description"
-    manifest(home, "arm_description")
+    home = tmp_path / "drawn_description"
+    manifest(home, "drawn_description")
     mesh(home / "meshes/arm.obj")
     (home / "meshes/drawing.WRL").write_text("#VRML")
     (tmp_path / "Documents").mkdir()
     (tmp_path / "Documents/letter.txt").write_text("private")
     description = urdf(
         home / "urdf/arm.urdf",
-        collisions=("package://arm_description/meshes/arm.obj",),
+        collisions=("package://drawn_description/meshes/arm.obj",),
         visuals=(
-            "package://arm_description/meshes/drawing.WRL",
+            "package://drawn_description/meshes/drawing.WRL",
             "package://Documents/letter.txt",
         ),
     )
