@@ -275,7 +275,7 @@ fn concave(
         // Nobody needs many digits of what is small beside the tolerance.
         gap: Gap {
             relative: gap,
-            absolute: (3200.0 * gap * gap * gap * gap).min(0.02) * target,
+            absolute: (716.0 * gap * gap * gap * gap.sqrt()).min(0.02) * target,
         },
         cells: settings.cells,
         most_vertices: settings.most_vertices,
