@@ -211,16 +211,17 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
     mesh.check_size()
-    edges = Edges.of(mesh.faces, len(mesh.vertices))
+    from assetpipe import _core
     from assetpipe.geometry import RepairPolicy, repair
     from assetpipe.geometry.repair.overlap import components_disagree
 
+    closed, edges, component = _core.connections(mesh.vertices, mesh.faces)
     if (
         cavities == "keep"
-        and edges.closed
+        and closed
         and mesh.volume > 0
         and not _repeats_faces(mesh, edges)
-        and not components_disagree(mesh, edges)
+        and not components_disagree(mesh, component)
     ):
         return mesh, None
     repaired = repair(mesh, policy=RepairPolicy(cavities=cavities))
@@ -237,10 +238,10 @@ def is_closed(mesh: Mesh) -> bool:
     return Edges.of(mesh.faces, len(mesh.vertices)).closed
 
 
-def _repeats_faces(mesh: Mesh, edges: Edges) -> bool:
+def _repeats_faces(mesh: Mesh, edges: int) -> bool:
     """Whether a face stands in the mesh twice: shells that are doubled are closed, but no
     longer tell which cavity belongs to which body. The mesh must be closed."""
-    if 2 * len(edges.ends) == 3 * len(mesh.faces) and _are_apart(mesh.vertices):
+    if 2 * edges == 3 * len(mesh.faces) and _are_apart(mesh.vertices):
         return False
     from assetpipe.geometry.repair.clean import weld_exactly
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from assetpipe.geometry.health.topology import Edges, face_areas, face_components
-from assetpipe.geometry.mesh import FloatArray, Mesh
+from assetpipe.geometry.health.topology import face_areas
+from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
 from assetpipe.geometry.products import added, products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.frame import Frame
@@ -103,14 +103,14 @@ def overlap(shell: Shell) -> float:
     return float(np.mean(sure)) * len(suspect) / _POINTS
 
 
-def components_disagree(mesh: Mesh, edges: Edges) -> bool:
-    """Whether components of a closed mesh overlap each other or lie inside-out in the open;
-    ``edges`` are the mesh's.
+def components_disagree(mesh: Mesh, label: IntArray) -> bool:
+    """Whether components of a closed mesh, told by (m,) ``label``, overlap each other or lie
+    inside-out in the open.
 
     Of the first it knows by samples, :func:`overlap`, of the second by the winding number
     within every component that faces inward.
     """
-    number, label = face_components(edges)
+    number = int(label.max()) + 1
     if number == 1:
         return False
     import igl

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::error::DecomposeError;
 use crate::merge::volume;
+use crate::part::Union;
 
 /// A half-edge: (smaller, larger vertex, triangle, runs from smaller to larger).
 type HalfEdge = (u32, u32, u32, bool);
@@ -60,6 +61,48 @@ pub fn check_closed(mesh: &Mesh) -> Result<(), DecomposeError> {
             to: run[0].1,
             count: open.len(),
         }),
+    }
+}
+
+/// What edges say about a surface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Connections {
+    /// Whether every edge is used as often in one sense as in the other.
+    pub closed: bool,
+    /// How many edges there are.
+    pub edges: usize,
+    /// The component of each triangle, over shared edges; they count up in the order of their
+    /// first triangles.
+    pub component: Vec<u32>,
+}
+
+/// How the triangles of a mesh are connected.
+pub fn connections(mesh: &Mesh) -> Connections {
+    let mut sets = Union::new(mesh.triangles.len());
+    let (mut closed, mut edges) = (true, 0);
+    for run in half_edges(mesh).chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        edges += 1;
+        closed &= 2 * run.iter().filter(|e| e.3).count() == run.len();
+        for pair in run.windows(2) {
+            sets.join(pair[0].2, pair[1].2);
+        }
+    }
+    let mut count = 0;
+    let mut component = vec![0; mesh.triangles.len()];
+    for t in 0..component.len() {
+        // The first triangle of a set is its root.
+        let root = sets.root(t as u32) as usize;
+        component[t] = if root == t {
+            count += 1;
+            count - 1
+        } else {
+            component[root]
+        };
+    }
+    Connections {
+        closed,
+        edges,
+        component,
     }
 }
 

@@ -2,12 +2,13 @@
 
 use assetpipe_decompose::concavity::thickening::{bounds, decide};
 use assetpipe_decompose::concavity::{wei, Decision, Gap, Interval, Limits};
+use assetpipe_decompose::convex;
 use assetpipe_decompose::decomposition::{self as core, Decomposition};
 use assetpipe_decompose::reach;
 use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::Mesh;
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -257,6 +258,23 @@ pub fn simplify_within<'py>(
     Ok(arrays(
         py,
         &made.map_err(|e| mesh_error(py, &e.to_string()))?,
+    ))
+}
+
+/// How faces are connected: (whether they are a closed chain, number of edges, component of each).
+#[pyfunction]
+pub fn connections<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+) -> PyResult<(bool, usize, Bound<'py, PyArray1<i64>>)> {
+    let surface = mesh(py, &vertices, &faces)?;
+    let found = py.detach(|| convex::connections(&surface));
+    let component = found.component.into_iter().map(i64::from);
+    Ok((
+        found.closed,
+        found.edges,
+        PyArray1::from_iter(py, component),
     ))
 }
 
