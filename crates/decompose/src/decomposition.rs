@@ -7,9 +7,9 @@ use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, HullError};
 use assetpipe_geometry::Mesh;
 use glam::DMat3;
-use rayon::prelude::*;
 
 use crate::adopt::adopt;
+use crate::ahead::next_first;
 use crate::candidates::frame;
 use crate::canonical::ordered;
 use crate::close::close;
@@ -301,8 +301,8 @@ fn concave(
     Ok((Decomposition { hulls, leaves }, Some((working, cover))))
 }
 
-/// All hulls of a cover, finished. The largest come first: started last, one of them would keep
-/// a thread busy while the others have nothing left to do.
+/// All hulls of a cover, finished. Those of many vertices come first: started last, one of them
+/// would keep a thread busy while the others have nothing left to do.
 fn finished(
     finish: &Finish<'_>,
     cover: &Cover,
@@ -313,21 +313,18 @@ fn finished(
         parts.map(|part| part.points.len()).sum()
     };
     let mut order: Vec<usize> = (0..cover.hulls.len()).collect();
-    order.sort_by_cached_key(|&k| Reverse(points(&cover.hulls[k])));
+    order.sort_by_cached_key(|&k| Reverse(cover.hulls[k].hull.vertices.len()));
     control.report(MERGED);
     let all: usize = cover.hulls.iter().map(points).sum();
     let so_far = AtomicUsize::new(0);
-    let mut done = order
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|k| {
-            let own = points(&cover.hulls[k]);
-            let found = finish.run(&cover.hulls[k], &cover.parts)?;
-            let share = (so_far.fetch_add(own, Ordering::Relaxed) + own) as f64 / all.max(1) as f64;
-            control.report(MERGED + (FINISHED - MERGED) * share);
-            Ok((k, found))
-        })
-        .collect::<Result<Vec<_>, DecomposeError>>()?;
+    let found = next_first(&order, |&k| {
+        let own = points(&cover.hulls[k]);
+        let found = finish.run(&cover.hulls[k], &cover.parts);
+        let share = (so_far.fetch_add(own, Ordering::Relaxed) + own) as f64 / all.max(1) as f64;
+        control.report(MERGED + (FINISHED - MERGED) * share);
+        found.map(|found| (k, found))
+    });
+    let mut done: Vec<_> = found.into_iter().collect::<Result<_, _>>()?;
     done.sort_unstable_by_key(|d| d.0);
     Ok(done.into_iter().map(|d| d.1).collect())
 }
@@ -338,10 +335,10 @@ fn concavities(
     finished: &[(Mesh, Proved)],
     cover: &Cover,
 ) -> Result<Vec<Interval>, DecomposeError> {
-    let finished = finished.par_iter().with_max_len(1);
-    finished
-        .map(|(_, proved)| finish.concavity(proved, &cover.parts))
-        .collect()
+    let found = next_first(finished, |(_, proved)| {
+        finish.concavity(proved, &cover.parts)
+    });
+    found.into_iter().collect()
 }
 
 /// The cover of the search or of the outline, if the solid is one extruded: with the fewest

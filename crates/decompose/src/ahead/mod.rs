@@ -4,7 +4,10 @@
 //! that would have nothing to do. It works on what will probably come after instead; what it finds
 //! is kept until its turn, and dropped if its turn never comes.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
 
 pub use order::{Ahead, Dropped, Order, Pair};
 
@@ -59,6 +62,24 @@ impl<T: Turns, W: Fn(T::Task) -> T::Done + Sync> Crew<T, W> {
             });
         }
     }
+}
+
+/// Work on all of these, each thread on the next that nobody works on: what takes long and comes
+/// first is not left for the end. The results are in the order of the things.
+pub fn next_first<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let done: Vec<Vec<(usize, R)>> = (0..rayon::current_num_threads())
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|_| {
+            let taken = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+            let taken = taken.map_while(|k| Some((k, things.get(k)?)));
+            taken.map(|(k, thing)| (k, work(thing))).collect()
+        })
+        .collect();
+    let mut done: Vec<(usize, R)> = done.into_iter().flatten().collect();
+    done.sort_unstable_by_key(|d| d.0);
+    done.into_iter().map(|d| d.1).collect()
 }
 
 /// Things to look at together with the first, shared out among threads.

@@ -130,3 +130,19 @@ fn what_lost_its_turn_is_dropped() {
     order.answer(second, 8);
     assert_eq!(order.settle(), None);
 }
+
+#[test]
+fn results_are_in_the_order_of_the_things() {
+    let things: Vec<u64> = (0..100).rev().collect();
+    for threads in [1, 2, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let done = pool.build().unwrap().install(|| {
+            next_first(&things, |&k| {
+                std::thread::sleep(std::time::Duration::from_micros(10 * (k % 7)));
+                k * k
+            })
+        });
+        let expected: Vec<u64> = things.iter().map(|k| k * k).collect();
+        assert_eq!(done, expected);
+    }
+}
