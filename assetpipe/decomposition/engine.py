@@ -23,7 +23,6 @@ from assetpipe.decomposition.reach import check_reach, close_unreachable
 from assetpipe.decomposition.shaping import Shapes, check_shaping, shaped
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import MeshError, UsageError, unknown_name
-from assetpipe.geometry.health.topology import Edges
 from assetpipe.geometry.mesh import FloatArray, Mesh
 
 if TYPE_CHECKING:
@@ -235,7 +234,9 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
 
 def is_closed(mesh: Mesh) -> bool:
     """Whether every edge is used as often in one sense as in the other."""
-    return Edges.of(mesh.faces, len(mesh.vertices)).closed
+    from assetpipe import _core
+
+    return _core.connections(mesh.vertices, mesh.faces)[0]
 
 
 def _repeats_faces(mesh: Mesh, edges: int) -> bool:

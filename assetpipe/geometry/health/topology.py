@@ -57,11 +57,6 @@ class Edges:
         balance = np.add.reduceat(sign, first[:-1]) if len(lead) else np.zeros(0, dtype=np.int64)
         return cls(faces, vertices, order, first, ends, balance)
 
-    @property
-    def closed(self) -> bool:
-        """Whether every edge is used as often in one sense as in the other."""
-        return not self.balance.any()
-
     @cached_property
     def count(self) -> IntArray:
         """(e,) how many half-edges each edge has."""

@@ -43,6 +43,16 @@ fn half_edges(mesh: &Mesh) -> Vec<HalfEdge> {
     edges
 }
 
+/// The half-edges of each edge, of all in order.
+fn by_edge(edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
+    edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1))
+}
+
+/// Whether an edge is used as often in one sense as in the other.
+fn is_balanced(edge: &[HalfEdge]) -> bool {
+    2 * edge.iter().filter(|e| e.3).count() == edge.len()
+}
+
 /// Check that every edge is used as often in one sense as in the other: the
 /// surface is a closed chain. Edges of more than two triangles are fine.
 ///
@@ -50,10 +60,7 @@ fn half_edges(mesh: &Mesh) -> Vec<HalfEdge> {
 /// [`DecomposeError::NotClosed`] names the first edge that is not.
 pub fn check_closed(mesh: &Mesh) -> Result<(), DecomposeError> {
     let edges = half_edges(mesh);
-    let open: Vec<&[HalfEdge]> = edges
-        .chunk_by(|a, b| (a.0, a.1) == (b.0, b.1))
-        .filter(|run| 2 * run.iter().filter(|e| e.3).count() != run.len())
-        .collect();
+    let open: Vec<&[HalfEdge]> = by_edge(&edges).filter(|e| !is_balanced(e)).collect();
     match open.first() {
         None => Ok(()),
         Some(run) => Err(DecomposeError::NotClosed {
@@ -80,10 +87,10 @@ pub struct Connections {
 pub fn connections(mesh: &Mesh) -> Connections {
     let mut sets = Union::new(mesh.triangles.len());
     let (mut closed, mut edges) = (true, 0);
-    for run in half_edges(mesh).chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+    for edge in by_edge(&half_edges(mesh)) {
         edges += 1;
-        closed &= 2 * run.iter().filter(|e| e.3).count() == run.len();
-        for pair in run.windows(2) {
+        closed &= is_balanced(edge);
+        for pair in edge.windows(2) {
             sets.join(pair[0].2, pair[1].2);
         }
     }
@@ -142,7 +149,7 @@ pub fn is_strictly_convex(mesh: &Mesh) -> bool {
     }
     let edges = half_edges(mesh);
     met == 1
-        && edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|run| {
+        && by_edge(&edges).all(|run| {
             run.len() == 2
                 && run[0].3 != run[1].3
                 && opposite(mesh, &run[1])

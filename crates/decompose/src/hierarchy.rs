@@ -71,7 +71,6 @@ pub fn build(
         .collect();
     let mut levels = Levels {
         finish,
-        open: vec![true; standing.len()],
         nodes: standing,
         order: Order::new(Ahead::Apart),
         unseen: Vec::new(),
@@ -178,8 +177,6 @@ fn glance(solid: &SolidIndex, [(i, a), (j, b)]: [(u32, &Arc<Standing>); 2]) -> T
 struct Levels<'a> {
     finish: &'a Finish<'a>,
     nodes: Vec<Arc<Standing>>,
-    /// Which of them have no parent yet.
-    open: Vec<bool>,
     order: Order<(Turn, Look), (), Joined>,
     /// Nodes that are still to be glanced at with another.
     unseen: Vec<Vec<(u32, Arc<Standing>)>>,
@@ -240,19 +237,15 @@ impl Turns for Levels<'_> {
 impl Levels<'_> {
     /// Let a new node stand for two.
     fn stand(&mut self, key: (Turn, Look), node: Arc<Standing>) {
-        for k in key.pair() {
-            self.open[k as usize] = false;
-        }
         self.order.retire(&key);
         let others: Vec<(u32, Arc<Standing>)> = (0u32..)
             .zip(&self.nodes)
-            .filter(|(k, _)| self.open[*k as usize])
+            .filter(|(k, _)| !self.order.is_gone(*k))
             .map(|(k, node)| (k, node.clone()))
             .collect();
         self.unseen = shared_out(&(self.nodes.len() as u32, node.clone()), &others);
         self.glancing = self.unseen.len();
         self.nodes.push(node);
-        self.open.push(true);
     }
 }
 

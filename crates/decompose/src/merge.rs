@@ -94,15 +94,17 @@ pub fn merge(
         .collect();
     let mut merging = Merging {
         test: &test,
-        slots: slots.into_iter().map(Some).collect(),
+        slots,
         order: Order::new(Ahead::Any),
         unpriced: Vec::new(),
         pricing: 0,
     };
     merging.put(priced);
     let merged = in_turn(merging, |task| test.run(task));
-    let left = merged.slots.into_iter().flatten();
-    let left = left.map(|slot| Arc::unwrap_or_clone(slot).proved).collect();
+    let left = (0u32..).zip(merged.slots);
+    let left = left.filter(|(k, _)| !merged.order.is_gone(*k));
+    let left = left.map(|(_, slot)| Arc::unwrap_or_clone(slot).proved);
+    let left = left.collect();
     *witnesses = test
         .witnesses
         .into_inner()
@@ -262,7 +264,8 @@ impl Test<'_> {
 /// Slots, and pairs of them in the order of their turns.
 struct Merging<'a> {
     test: &'a Test<'a>,
-    slots: Vec<Option<Arc<Slot>>>,
+    /// Those too that are gone.
+    slots: Vec<Arc<Slot>>,
     /// With hulls that are kept, and those that may stand.
     order: Order<Turn, Option<Mesh>, Option<Proved>>,
     /// Slots that are still to be priced with the first.
@@ -291,10 +294,8 @@ impl Turns for Merging<'_> {
             return Some(Task::Price(slots));
         }
         let (turn, hull, dropped) = self.order.ask()?;
-        let [Some(a), Some(b)] = turn.pair().map(|k| self.slots[k as usize].clone()) else {
-            return None;
-        };
-        Some(Task::Decide(turn, [a, b], hull, dropped))
+        let pair = turn.pair().map(|k| self.slots[k as usize].clone());
+        Some(Task::Decide(turn, pair, hull, dropped))
     }
 
     fn take(&mut self, done: Done) {
@@ -319,18 +320,16 @@ impl Merging<'_> {
 
     /// Let the hull of a pair stand for both.
     fn merge(&mut self, turn: Turn, proved: Proved) {
-        for k in turn.pair() {
-            self.slots[k as usize] = None;
-        }
         self.order.retire(&turn);
         let new = Arc::new(Slot::new(proved));
         let others: Vec<(u32, Arc<Slot>)> = (0u32..)
             .zip(&self.slots)
-            .filter_map(|(k, slot)| Some((k, slot.clone()?)))
+            .filter(|(k, _)| !self.order.is_gone(*k))
+            .map(|(k, slot)| (k, slot.clone()))
             .collect();
         self.unpriced = shared_out(&(self.slots.len() as u32, new.clone()), &others);
         self.pricing = self.unpriced.len();
-        self.slots.push(Some(new));
+        self.slots.push(new);
     }
 }
 

@@ -151,9 +151,14 @@ impl<K: Pair, W, A> Order<K, W, A> {
         });
     }
 
-    /// Whether both things stand.
+    /// Whether a thing is gone.
+    pub fn is_gone(&self, k: u32) -> bool {
+        self.gone.contains(&k)
+    }
+
+    /// Whether both things of a pair stand.
     fn stands(&self, key: &K) -> bool {
-        !key.pair().iter().any(|k| self.gone.contains(k))
+        !key.pair().into_iter().any(|k| self.is_gone(k))
     }
 
     /// Whether the pair whose turn it is was not asked about.
