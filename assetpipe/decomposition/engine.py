@@ -201,7 +201,7 @@ def _check(metric: str, effort: str, cavities: str) -> None:
 
 
 def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
-    """The mesh itself if it is a closed solid, otherwise repaired.
+    """The mesh itself if it is a closed solid without folds, otherwise repaired.
 
     Raises:
         MeshError: it cannot be made a solid.
@@ -214,10 +214,11 @@ def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
     from assetpipe.geometry import RepairPolicy, repair
     from assetpipe.geometry.repair.overlap import components_disagree
 
-    closed, edges, component = _core.connections(mesh.vertices, mesh.faces)
+    closed, edges, component, folds = _core.connections(mesh.vertices, mesh.faces)
     if (
         cavities == "keep"
         and closed
+        and not folds
         and mesh.volume > 0
         and not _repeats_faces(mesh, edges)
         and not components_disagree(mesh, component)

@@ -155,6 +155,14 @@ def coil(turns: float = 1.2, steps: int = 96, sides: int = 12) -> Arrays:
     return vertices, np.array(faces)[:, ::-1]
 
 
+def with_flap() -> Arrays:
+    """A fine box, one vertex of its upper side moved out over the edge in that side's plane."""
+    fine = trimesh.creation.box().subdivide().subdivide()
+    vertices, faces = np.array(fine.vertices), np.asarray(fine.faces)
+    vertices[np.abs(vertices - [0.25, 0.0, 0.5]).max(axis=1) < 1e-9] = [0.509, 0.03, 0.5]
+    return vertices, faces
+
+
 def with_junction() -> Arrays:
     """A box of which one face knows a vertex on an edge that its neighbour does not."""
     vertices, faces = box()
@@ -354,6 +362,7 @@ CASES: tuple[Case, ...] = (
         "exact",
         1.0,
     ),
+    Case("flap folded over an edge", lambda: mesh(with_flap()), "near", 1.0),
     Case("T-junction", lambda: mesh(with_junction()), "near", 1.0),
     Case("fin outside", lambda: mesh(welded(join(box(), _SQUARE_OUT))), "near", 1.0, 0.02),
     Case(

@@ -27,6 +27,7 @@ from assetpipe.geometry.repair.result import Deviation, Repaired, Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.stiffen import thickened
 from assetpipe.geometry.repair.surface import Corners, Surface
+from assetpipe.geometry.repair.unfold import folds, unfolded
 from assetpipe.geometry.repair.unite import Shell, unite
 from assetpipe.geometry.repair.work import Job, Work, stacked
 from assetpipe.geometry.repair.wrap import enclosed, wrapped
@@ -40,7 +41,8 @@ def repair(
 ) -> Repaired:
     """Make a mesh a solid: closed, outward, every edge with exactly two faces.
 
-    A mesh that is one already comes back unchanged, bit for bit.
+    A mesh that is one already, and has no folds without thickness, comes back unchanged,
+    bit for bit.
 
     Args:
         mesh: any triangles, metres.
@@ -68,7 +70,7 @@ def repair(
     why = defect(mesh.vertices, mesh.faces)
     if policy.mode == "off":
         return Repaired(mesh) if why is None else _refused(why, hint="repair is off")
-    if why is None and _sound(mesh):
+    if why is None and _sound(mesh, policy):
         return Repaired(mesh)
     try:
         return _climb(mesh, policy, limits)
@@ -81,11 +83,17 @@ def _beyond(message: str) -> Repaired:
     return Repaired(None, findings=(Finding("AP206", Severity.ERROR, message),))
 
 
-def _sound(mesh: Mesh) -> bool:
-    """Whether a solid has one component that encloses something and does not overlap itself."""
+def _sound(mesh: Mesh, policy: RepairPolicy) -> bool:
+    """Whether a solid has one component that encloses something and does not overlap itself.
+
+    Nor may it be folded; but to take folds out may move the surface, which strict repair
+    does not.
+    """
     if face_components(Edges.of(mesh.faces, len(mesh.vertices)))[0] != 1:
         return False
     shell = Shell.of(Frame.around(mesh.vertices).inward(mesh.vertices), mesh.faces)
+    if policy.mode != "strict" and folds(shell.vertices, shell.faces):
+        return False
     return not enclosing_nothing(shell) and overlap(shell) <= TANGLED
 
 
@@ -110,7 +118,7 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
         return Repaired(None, steps, findings=(finding,))
     if steps and defect(weld.vertices, weld.faces) is None:
         welded = Mesh(weld.vertices, weld.faces)
-        if _sound(welded):
+        if _sound(welded, policy):
             return Repaired(welded, steps)
     frame = Frame.around(weld.vertices)
     units = frame.inward(weld.vertices)
@@ -134,6 +142,8 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     if work.patches:
         return _refused(_open(work, odd), work)
     job.deadline.check()
+    if policy.mode != "strict":
+        work = unfolded(work, job)
     return _finished(disentangled(work, job), job)
 
 
@@ -250,7 +260,7 @@ def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
     The percentiles are of the surfaces as they are, not of the bounds.
     """
     fresh, lost = work.fresh, work.lost
-    if work.displacement == work.beside == 0.0 and not len(fresh) and not len(lost):
+    if work.displacement == work.beside == work.dropped == 0.0 and not len(fresh) and not len(lost):
         return Deviation()
     scale = job.frame.scale
     after = Surface(job.frame.inward(solid.vertices), solid.faces)
@@ -267,9 +277,9 @@ def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
         )
 
     # What was put beside lies about that far away: no need to know the rest more sharply.
-    added = bound(job.surface, fresh, "surface", work.beside)
-    removed = bound(after, lost, "solid", 0.0)
-    added, removed = max(added, work.beside) + work.displacement, removed + work.displacement
+    added = max(bound(job.surface, fresh, "surface", work.beside), work.beside)
+    removed = max(bound(after, lost, "solid", work.dropped), work.dropped)
+    added, removed = added + work.displacement, removed + work.displacement
     if max(removed, added) < _ROUNDING:
         return Deviation()
     faces = np.delete(job.mesh.faces, degenerate(job.mesh.faces), axis=0)

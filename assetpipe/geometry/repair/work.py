@@ -81,6 +81,7 @@ class Work:
         pieces: what ``faces`` are apart, once openings have been closed.
         fresh: triangles that the input did not have.
         lost: triangles of the input that were replaced or dropped.
+        dropped: bound on how far from the solid lies what was dropped and is not ``lost``.
         displacement: bound on how far points of the input were moved.
         beside: bound on how far from the input the surface lies that is not ``fresh`` and
             was put beside it.
@@ -93,6 +94,7 @@ class Work:
     pieces: tuple[Piece, ...] = ()
     fresh: Corners = field(default_factory=no_corners)
     lost: Corners = field(default_factory=no_corners)
+    dropped: float = 0.0
     displacement: float = 0.0
     beside: float = 0.0
     cavities_kept: int = 0

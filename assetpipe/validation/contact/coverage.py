@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from assetpipe.geometry.mesh import FloatArray
+from assetpipe.validation.contact.flaps import beside_solid
 from assetpipe.validation.contact.probes import surface_samples
 from assetpipe.validation.contact.surface import ConvexShape, Surface, outside_hulls
 from assetpipe.validation.statistics import Rate
@@ -19,7 +20,8 @@ class Coverage:
     """What of the solid lies outside every hull.
 
     Attributes:
-        surface: share of the surface samples (all vertices, and points spread by area).
+        surface: share of the surface samples (all vertices, and points spread by area); those
+            on flaps without thickness, next to which there is no solid, may lie outside.
         interior: share of the points drawn inside the solid.
         gap: metres, the largest distance from an uncovered sample to the hulls.
         witness: (x, y, z) of that sample; ``None`` where all is covered.
@@ -75,7 +77,11 @@ def cover(
         outside = points[outside_hulls(points, hulls) > band]
         away = joined.distances(outside)
         # The facet excess is a lower bound of the distance, so nothing is counted wrongly.
-        counts.append(Rate.wilson(int(np.count_nonzero(away > band)), len(points)))
+        outside, away = outside[away > band], away[away > band]
+        if points is surface:
+            solidly = beside_solid(solid, outside, away)
+            outside, away = outside[solidly], away[solidly]
+        counts.append(Rate.wilson(len(outside), len(points)))
         if away.size and float(away.max()) > gap:
             gap = float(away.max())
             x, y, z = outside[int(np.argmax(away))]

@@ -173,6 +173,19 @@ class Surface:
         )
         return np.asarray(number, dtype=np.float64).ravel()
 
+    def exact_winding(self, points: FloatArray) -> FloatArray:
+        """As :meth:`winding`, right next to the surface too; every face for every point."""
+        import igl
+
+        if not len(points):
+            return np.zeros(0)
+        number = igl.winding_number(
+            np.ascontiguousarray(self.vertices),
+            np.ascontiguousarray(self.faces),
+            np.ascontiguousarray(points, dtype=np.float64),
+        )
+        return np.asarray(number, dtype=np.float64).ravel()
+
     def distances(self, points: FloatArray) -> FloatArray:
         """Unsigned distances (k,) in metres from points (k, 3) to the surface."""
         import igl

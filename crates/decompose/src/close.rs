@@ -193,7 +193,7 @@ fn cap(mesh: &mut Mesh, plane: &Plane, borders: &[(Plane, u32, u32)], divided: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::convex::check_closed;
+    use crate::edges::check_closed;
     use crate::merge::volume;
     use crate::shapes::cuboid;
     use assetpipe_geometry::hull::convex_hull;

@@ -303,7 +303,7 @@ mod tests {
             let ends = (0..4).map(|i| [side[i], side[(i + 1) % 4], middle]);
             brick.triangles.extend(ends);
         }
-        assert!(crate::convex::check_closed(&brick).is_ok());
+        assert!(crate::edges::check_closed(&brick).is_ok());
         let triangles = |mesh: &Mesh| {
             let mut all: Vec<[[f64; 3]; 3]> = (0..mesh.triangles.len())
                 .map(|t| {

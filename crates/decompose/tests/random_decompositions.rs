@@ -11,8 +11,8 @@ mod solids;
 use std::cmp::Ordering;
 
 use assetpipe_decompose::control::Control;
-use assetpipe_decompose::convex::check_closed;
 use assetpipe_decompose::decomposition::{decompose, parts};
+use assetpipe_decompose::edges::check_closed;
 use assetpipe_decompose::error::DecomposeError;
 use assetpipe_decompose::settings::{Metric, SearchSettings};
 use assetpipe_geometry::distance::SolidIndex;

@@ -2,8 +2,8 @@
 
 use assetpipe_decompose::concavity::thickening::{bounds, decide};
 use assetpipe_decompose::concavity::{wei, Decision, Gap, Interval, Limits};
-use assetpipe_decompose::convex;
 use assetpipe_decompose::decomposition::{self as core, Decomposition};
+use assetpipe_decompose::edges;
 use assetpipe_decompose::reach;
 use assetpipe_decompose::settings::SearchSettings;
 use assetpipe_geometry::distance::SolidIndex;
@@ -261,21 +261,36 @@ pub fn simplify_within<'py>(
     ))
 }
 
-/// How faces are connected: (whether they are a closed chain, number of edges, component of each).
+/// How faces are connected: (whether they are a closed chain, number of edges, component of each,
+/// number of folds).
 #[pyfunction]
 pub fn connections<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,
     faces: PyReadonlyArray2<'py, i64>,
-) -> PyResult<(bool, usize, Bound<'py, PyArray1<i64>>)> {
+) -> PyResult<(bool, usize, Bound<'py, PyArray1<i64>>, usize)> {
     let surface = mesh(py, &vertices, &faces)?;
-    let found = py.detach(|| convex::connections(&surface));
+    let found = py.detach(|| edges::connections(&surface));
     let component = found.component.into_iter().map(i64::from);
     Ok((
         found.closed,
         found.edges,
         PyArray1::from_iter(py, component),
+        found.folds,
     ))
+}
+
+/// Folded edges of a surface, for coordinates in multiples of `unit`.
+#[pyfunction]
+pub fn folds<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    unit: f64,
+) -> PyResult<Vec<(u32, u32)>> {
+    let surface = mesh(py, &vertices, &faces)?;
+    let found = py.detach(|| assetpipe_decompose::folds::folds(&surface, unit));
+    Ok(found.into_iter().map(|[a, b]| (a, b)).collect())
 }
 
 /// Convex hull of (n, 3) points: (vertices, faces).

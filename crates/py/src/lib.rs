@@ -31,6 +31,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decomposition::thickening_within, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::simplify_within, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::connections, module)?)?;
+    module.add_function(wrap_pyfunction!(decomposition::folds, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::unreachable, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::split, module)?)

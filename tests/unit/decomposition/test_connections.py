@@ -30,7 +30,7 @@ def torn(seed: int, kept: float) -> tuple[np.ndarray, np.ndarray]:
 def test_they_agree(kept: float) -> None:
     for seed in range(20):
         vertices, faces = torn(seed, kept)
-        closed, count, component = _core.connections(vertices, faces)
+        closed, count, component, _ = _core.connections(vertices, faces)
         edges = Edges.of(faces, len(vertices))
         number, labels = face_components(edges)
         assert (closed, count) == (not edges.balance.any(), len(edges.ends))
@@ -40,7 +40,7 @@ def test_they_agree(kept: float) -> None:
 
 def test_closed_surfaces_are_closed() -> None:
     ball = trimesh.creation.icosphere(subdivisions=2)
-    closed, count, component = _core.connections(ball.vertices, ball.faces)
-    assert (closed, count) == (True, 480)
+    closed, count, component, folds = _core.connections(ball.vertices, ball.faces)
+    assert (closed, count, folds) == (True, 480, 0)
     assert not component.any()
     assert not _core.connections(ball.vertices, ball.faces[1:])[0]

@@ -28,7 +28,7 @@ use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::Mesh;
 
 use crate::control::Control;
-use crate::convex::check_closed;
+use crate::edges::check_closed;
 use crate::error::DecomposeError;
 use lattice::{Lattice, Place};
 use runs::Components;

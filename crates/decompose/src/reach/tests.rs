@@ -1,5 +1,5 @@
 use super::*;
-use crate::convex::check_closed;
+use crate::edges::check_closed;
 use crate::merge::volume;
 use crate::shapes::{cuboid, reversed, together};
 use glam::DVec3;
