@@ -13,6 +13,9 @@ from typing import Any
 
 from assetpipe.errors import Location, printable
 
+NEGLIGIBLE = 0.01
+"""Share of the tolerance up to which a change is worth a note, not a warning."""
+
 
 class Severity(Enum):
     """How much a finding matters. Errors and warnings make the exit code 1; notes don't."""
@@ -92,6 +95,7 @@ CODES: dict[str, str] = {
     "AP206": "mesh exceeds a limit",
     "AP207": "enclosed cavity",
     "AP208": "ambiguous opening",
+    "AP209": "solid overlaps itself",
     # decomposition
     "AP301": "decomposition exceeded a limit",
     "AP302": "tolerance not met under the budget",

@@ -13,7 +13,7 @@ _EPSILON = 1e-13
 
 
 def crossing_faces(
-    vertices: FloatArray, faces: IntArray, *, pairs: int = _PAIRS
+    vertices: FloatArray, faces: IntArray, *, pairs: int = _PAIRS, second: int | None = None
 ) -> IntArray | None:
     """(k, 2) pairs of faces that properly cross each other, the smaller index first.
 
@@ -25,6 +25,7 @@ def crossing_faces(
         vertices: (n, 3).
         faces: (m, 3), none degenerate.
         pairs: how many pairs of boxes may be looked at on one level of the tree.
+        second: where the faces of a second surface begin: only pairs of both are looked for.
 
     Returns:
         The pairs, or ``None`` if more boxes overlap than ``pairs``.
@@ -36,7 +37,7 @@ def crossing_faces(
     if size == 0.0:
         return np.zeros((0, 2), dtype=np.int64)
     corners = corners / size
-    near = _overlapping(corners.min(axis=1), corners.max(axis=1), pairs)
+    near = overlapping_boxes(corners.min(axis=1), corners.max(axis=1), pairs, second)
     if near is None:
         return None
     found = [
@@ -48,8 +49,20 @@ def crossing_faces(
     return result[np.lexsort((result[:, 1], result[:, 0]))]
 
 
-def _overlapping(low: FloatArray, high: FloatArray, limit: int) -> IntArray | None:
-    """(k, 2) pairs of overlapping boxes, by a binary tree over the boxes in Morton order."""
+def overlapping_boxes(
+    low: FloatArray, high: FloatArray, limit: int, second: int | None = None
+) -> IntArray | None:
+    """(k, 2) pairs of overlapping boxes, by a binary tree over the boxes in Morton order.
+
+    Args:
+        low: (n, 3) lowest corners.
+        high: (n, 3) highest corners.
+        limit: how many pairs may be looked at on one level of the tree.
+        second: where a second set of boxes begins: only pairs of both are looked for.
+
+    Returns:
+        The pairs, or ``None`` if more boxes overlap than ``limit``.
+    """
     number = len(low)
     order = _morton_order((low + high) / 2.0)
     depth = (max(1, number) - 1).bit_length()
@@ -57,18 +70,25 @@ def _overlapping(low: FloatArray, high: FloatArray, limit: int) -> IntArray | No
     padded_low = np.full((leaves, 3), np.inf)
     padded_high = np.full((leaves, 3), -np.inf)
     padded_low[:number], padded_high[:number] = low[order], high[order]
-    levels = [(padded_low, padded_high)]
+    # Whether there are boxes of the first and of the second set below.
+    sets = np.ones((leaves, 2), dtype=bool)
+    if second is not None:
+        sets[:number, 0] = order < second
+        sets[:number, 1] = order >= second
+    levels = [(padded_low, padded_high, sets)]
     while len(levels[-1][0]) > 1:
-        a, b = levels[-1]
-        levels.append((np.minimum(a[::2], a[1::2]), np.maximum(b[::2], b[1::2])))
+        a, b, below = levels[-1]
+        levels.append(
+            (np.minimum(a[::2], a[1::2]), np.maximum(b[::2], b[1::2]), below[::2] | below[1::2])
+        )
     left = right = np.zeros(1, dtype=np.int64)
-    for a, b in reversed(levels[:-1]):
+    for a, b, below in reversed(levels[:-1]):
         same = left == right
         pairs_left = np.concatenate([2 * left, 2 * left, 2 * left + 1, (2 * left + 1)[~same]])
         pairs_right = np.concatenate([2 * right, 2 * right + 1, 2 * right + 1, (2 * right)[~same]])
         if len(pairs_left) > limit:
             return None
-        meet = np.ones(len(pairs_left), dtype=bool)
+        meet = (below[pairs_left] & below[pairs_right, ::-1]).any(axis=1)
         for axis in range(3):
             meet &= a[pairs_left, axis] <= b[pairs_right, axis]
             meet &= a[pairs_right, axis] <= b[pairs_left, axis]
@@ -103,6 +123,22 @@ def _spread(x: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
 
 def _cross(corners: FloatArray, faces: IntArray, pairs: IntArray) -> npt.NDArray[np.bool_]:
     """Which pairs of faces cross."""
+    result = np.zeros(len(pairs), dtype=bool)
+    near = np.flatnonzero(_astride(corners, *pairs.T) | _astride(corners, *pairs.T[::-1]))
+    result[near] = _meet(corners, faces, pairs[near])
+    return result
+
+
+def _astride(corners: FloatArray, a: IntArray, b: IntArray) -> npt.NDArray[np.bool_]:
+    """Whether faces ``a`` have corners on both sides of the planes of faces ``b``."""
+    triangle = (corners[b, 0], corners[b, 1], corners[b, 2])
+    sides = np.stack([_volume(corners[a, k], *triangle) for k in range(3)])
+    result: npt.NDArray[np.bool_] = (sides.max(axis=0) > _EPSILON) & (sides.min(axis=0) < -_EPSILON)
+    return result
+
+
+def _meet(corners: FloatArray, faces: IntArray, pairs: IntArray) -> npt.NDArray[np.bool_]:
+    """Which pairs of faces cross, of those that may."""
     a, b = pairs.T
     shared = faces[a][:, :, None] == faces[b][:, None, :]
     common = shared.sum(axis=(1, 2))

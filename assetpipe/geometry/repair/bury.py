@@ -8,6 +8,7 @@ from assetpipe.geometry.repair.deviation import RESOLUTION, farthest_each
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, put_together
+from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked, triangles_of
 
 
@@ -36,7 +37,7 @@ def buried(work: Work, job: Job) -> Work:
     worst = float(apart[apart <= job.thickness].max())
     step = Step(
         Rung.CLEAN,
-        f"dropped {len(gone)} open sheets inside the solid",
+        f"dropped {counted(len(gone), 'open sheet')} inside the solid",
         moved=worst * job.frame.scale,
         seconds=process_time() - clock,
     )

@@ -12,13 +12,13 @@ from typing import Literal
 
 import numpy as np
 
-from assetpipe.geometry.health.topology import face_areas
+from assetpipe.geometry.health.topology import BoolArray, face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.pieces import divided
 from assetpipe.geometry.repair.result import Deviation
-from assetpipe.geometry.repair.surface import NEAR, Corners, Surface
+from assetpipe.geometry.repair.surface import Corners, Surface
 
 Side = Literal["surface", "solid"]
 Arrays = tuple[FloatArray, IntArray]
@@ -27,6 +27,10 @@ RESOLUTION = 5e-4
 _SAMPLES = 4000
 _TRIANGLES = 40_000
 _SHARP = 1.05
+_MIDDLE = (0.3139, 0.3372, 0.3489)
+"""A point of each triangle near its centre, which in symmetric ones lies on too many edges."""
+_ON = 1e-9
+"""Units from the surface within which a point counts as one of it."""
 
 
 def sample(vertices: FloatArray, faces: IntArray, number: int, seed: int = 0) -> FloatArray:
@@ -53,6 +57,7 @@ def farthest(
     side: Side,
     resolution: float,
     floor: float = 0.0,
+    whole: BoolArray | None = None,
     deadline: Deadline = NEVER,
 ) -> float:
     """Upper bound on the distance of any point of triangles to a surface (see below)."""
@@ -65,6 +70,7 @@ def farthest(
         side=side,
         resolution=resolution,
         floor=floor,
+        whole=whole,
         deadline=deadline,
     )
     return float(each[0])
@@ -80,6 +86,7 @@ def farthest_each(
     resolution: float,
     floor: float = 0.0,
     ceiling: float = np.inf,
+    whole: BoolArray | None = None,
     deadline: Deadline = NEVER,
 ) -> FloatArray:
     """Upper bounds on the distance of any point of groups of triangles to a surface.
@@ -93,12 +100,15 @@ def farthest_each(
         resolution: how much larger than 1.05 of the truth a bound may be, if affordable.
         floor: bounds below need not be sharp.
         ceiling: bounds above need not be sharp.
+        whole: (n,) triangles that are inside as soon as one point is, see
+            :func:`assetpipe.geometry.repair.within.whole`. ``None``: nobody knows.
         deadline: past which LimitError is raised.
 
     Returns:
         (owners,) bounds.
     """
     reached, settled = np.zeros(owners), np.zeros(owners)
+    whole = np.zeros(len(corners), dtype=bool) if whole is None else whole
 
     def enough() -> FloatArray:
         """(n,) what need not be known more sharply."""
@@ -106,30 +116,31 @@ def farthest_each(
 
     while len(corners):
         deadline.check()
-        centre = corners.mean(axis=1)
+        centre = _MIDDLE[0] * corners[:, 0] + _MIDDLE[1] * corners[:, 1]
+        centre = centre + _MIDDLE[2] * corners[:, 2]
         radius = np.sqrt(((corners - centre[:, None]) ** 2).sum(axis=2).max(axis=1))
         distance, face, _ = surface.closest(centre)
         upper = np.minimum(distance + radius, surface.bound_over(corners, face))
         if side == "solid":
-            far = np.flatnonzero(upper > enough())
-            far = far[distance[far] > NEAR]
-            inside = far[np.abs(surface.winding(centre[far])) > 0.5]
+            asked = (upper > enough()) & (distance > _ON)
+            inside = np.flatnonzero(asked)
+            inside = inside[surface.contains(centre[inside])]
             # The centre is inside: what lies nearer to it than the surface is inside too.
             upper[inside] = np.maximum(0.0, radius[inside] - distance[inside])
+            upper[inside[whole[inside]]] = 0.0
             distance[inside] = 0.0
             # Nobody asked whether the others are inside; they don't count as reached.
-            asked = np.zeros(len(centre), dtype=bool)
-            asked[far] = True
-            distance[~asked & (distance > NEAR)] = 0.0
+            distance[~asked & (distance > _ON)] = 0.0
         np.maximum.at(reached, owner, distance)
         undecided = (upper > enough()) & (reached[owner] <= ceiling)
         np.maximum.at(settled, owner[~undecided], upper[~undecided])
         corners, owner, face = corners[undecided], owner[undecided], face[undecided]
+        whole = whole[undecided]
         parts, source = divided(corners, surface.vertices[surface.faces[face]], enough())
         if len(parts) > _TRIANGLES:
             np.maximum.at(settled, owner, upper[undecided])
             break
-        corners, owner = parts, owner[source]
+        corners, owner, whole = parts, owner[source], whole[source]
     return np.maximum(settled, reached)
 
 

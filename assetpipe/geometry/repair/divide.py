@@ -37,6 +37,7 @@ from assetpipe.geometry.repair.unite import (
     put_together,
     shells_of,
 )
+from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Patch, Piece, Work
 
 _FLAT = 1e-9
@@ -76,7 +77,8 @@ def divided(work: Work, faces: IntArray, job: Job) -> Work:
         parts = min(parts, by_brackets(pieces, job.deadline), key=lambda p: p.fault)
     steps: tuple[Step, ...] = ()
     if parts.shells:
-        what = f"took {len(faces)} faces at irregular edges apart into {len(parts.shells)} shells"
+        shells = counted(len(parts.shells), "shell")
+        what = f"took {len(faces)} faces at irregular edges apart into {shells}"
         steps = (Step(Rung.SPLIT, what, seconds=process_time() - clock),)
     return work.after(
         *steps,

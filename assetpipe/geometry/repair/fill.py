@@ -26,6 +26,7 @@ from assetpipe.geometry.repair.holes import Opening, cap, opening_of
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import pair_half_edges
 from assetpipe.geometry.repair.unite import signed_volume
+from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Piece, Work, stacked
 
 MINOR = 0.01
@@ -131,7 +132,7 @@ def filled(work: Work, job: Job) -> Work:
     widest = max(trial.openings[i].width for i in taken) * job.frame.scale
     step = Step(
         Rung.FILL,
-        f"closed {len(taken)} openings, the widest {widest:.4g} m",
+        f"closed {counted(len(taken), 'opening')}, the widest {widest:.4g} m",
         moved=float(trial.apart[taken].max()) * job.frame.scale,
         volume_change=None,
         seconds=process_time() - clock,

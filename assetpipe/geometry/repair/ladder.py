@@ -4,36 +4,31 @@ from __future__ import annotations
 
 from time import process_time
 
-import numpy as np
-
 from assetpipe.errors import LimitError, MeshError
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.health.topology import Edges, face_areas, face_components
-from assetpipe.geometry.health.weld import degenerate, referenced
+from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import IntArray, Mesh
-from assetpipe.geometry.products import added
 from assetpipe.geometry.repair.bury import buried
 from assetpipe.geometry.repair.check import defect
 from assetpipe.geometry.repair.clean import one_of_each, weld_exactly
 from assetpipe.geometry.repair.deadline import Deadline
-from assetpipe.geometry.repair.deviation import RESOLUTION, Side, farthest, quantile
 from assetpipe.geometry.repair.divide import divided, enclosing_nothing, flattened
 from assetpipe.geometry.repair.fill import filled
 from assetpipe.geometry.repair.frame import Frame
+from assetpipe.geometry.repair.measured import measured, moved_by_union, strays
 from assetpipe.geometry.repair.overlap import TANGLED, disentangled, overlap
 from assetpipe.geometry.repair.policy import RepairLimits, RepairPolicy
 from assetpipe.geometry.repair.prepare import halved, set_aside, stitched, wound
 from assetpipe.geometry.repair.result import Deviation, Repaired, Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.stiffen import thickened
-from assetpipe.geometry.repair.surface import Corners, Surface
+from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unfold import folds, unfolded
 from assetpipe.geometry.repair.unite import Shell, unite
+from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked
 from assetpipe.geometry.repair.wrap import enclosed, wrapped
-
-_ROUNDING = 1e-11
-"""Units below which a measured distance is rounding of the measurement."""
 
 
 def repair(
@@ -109,7 +104,9 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     weld = weld_exactly(mesh.vertices, mesh.faces)
     steps: tuple[Step, ...] = ()
     if weld.welded or weld.degenerate or weld.repeated:
-        what = f"joined {weld.welded} coinciding vertices, dropped {weld.degenerate} faces"
+        what = (
+            f"joined {weld.welded} coinciding vertices, dropped {counted(weld.degenerate, 'face')}"
+        )
         if weld.repeated:
             what += f" and {weld.repeated} repeated ones"
         steps = (Step(Rung.WELD, what, seconds=process_time() - clock),)
@@ -140,11 +137,15 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
         return _refused(_open(work, odd), work, "strict repair closes no openings")
     work = _completed(work.after(faces=one_of_each(odd)), job)
     if work.patches:
-        return _refused(_open(work, odd), work)
+        hint = None if job.thickness > 0.0 else "a budget of 0 leaves sheets no thickness"
+        return _refused(_open(work, odd[:0]), work, hint)
     job.deadline.check()
     if policy.mode != "strict":
         work = unfolded(work, job)
-    return _finished(disentangled(work, job), job)
+    work = disentangled(work, job)
+    if any(finding.severity is Severity.ERROR for finding in work.findings):
+        return Repaired(None, work.steps, findings=work.findings, notes=work.notes)
+    return _finished(work, job)
 
 
 def _completed(work: Work, job: Job) -> Work:
@@ -157,7 +158,7 @@ def _completed(work: Work, job: Job) -> Work:
             whole = enclosed(before, work, job)
             work = work if whole is None else _capped(whole, job)
     work = buried(work, job)
-    if not work.patches or job.policy.openings == "refuse":
+    if not work.patches or job.policy.openings == "refuse" or job.thickness == 0.0:
         return work
     if job.policy.openings != "sheet":
         work = wrapped(work, job)
@@ -173,8 +174,9 @@ def _capped(work: Work, job: Job) -> Work:
 
 
 def _open(work: Work, odd: IntArray) -> str:
-    edges = len(Edges.of(odd, len(work.vertices)).boundary)
-    faces = len(odd) + sum(len(patch.faces) for patch in work.patches)
+    pieces = [(work.vertices, odd), *((p.vertices, p.faces) for p in work.patches)]
+    faces = sum(len(faces) for _, faces in pieces)
+    edges = sum(len(Edges.of(faces, len(points)).boundary) for points, faces in pieces)
     return f"{faces} faces bound nothing, with {edges} open edges"
 
 
@@ -185,19 +187,20 @@ def _finished(work: Work, job: Job) -> Repaired:
     flat = [s.vertices[s.faces] for s in work.shells if enclosing_nothing(s)]
     work = work.after(lost=stacked(work.lost, *flat))
     if flat:
-        number = f"{len(flat)} piece{'s' * (len(flat) > 1)}"
-        work = work.after(Step(Rung.CLEAN, f"dropped {number} without volume"))
+        dropped = f"dropped {counted(len(flat), 'piece')} without volume"
+        work = work.after(Step(Rung.CLEAN, dropped))
     if not shells:
         return _refused("it encloses no volume", work)
     united = unite(shells, job.policy.cavities, job.deadline)
     if united is None:
         return _refused("the union of its pieces failed", work)
-    work = work.after(lost=stacked(work.lost, united.gone), fresh=stacked(work.fresh, united.put))
+    removed, grown = moved_by_union(united, job.deadline)
+    work = work.after(dropped=max(work.dropped, removed), grown=grown)
     vertices, new = job.frame.restored(united.vertices, job.mesh.vertices)
     vertices, faces, _ = split_nonmanifold(*referenced(vertices, united.faces))
     steps = []
     if united.inverted:
-        steps.append(Step(Rung.ORIENT, f"turned {united.inverted} inside-out pieces"))
+        steps.append(Step(Rung.ORIENT, f"turned {counted(united.inverted, 'inside-out piece')}"))
     kept = united.cavities if job.policy.cavities == "keep" else 0
     if len(shells) > 1:
         what = (
@@ -211,12 +214,12 @@ def _finished(work: Work, job: Job) -> Repaired:
             what += f", {united.buried} buried in others"
         if united.cavities:
             what += f"; {united.cavities} enclosed cavities {'kept' if kept else 'filled'}"
-        enclosed = added(abs(shell.volume) for shell in shells)
-        change = Mesh(job.frame.inward(vertices), faces).volume - enclosed
+        change = Mesh(job.frame.inward(vertices), faces).volume - united.enclosed
         steps.append(
             Step(
                 Rung.UNITE,
                 what,
+                moved=max(removed, grown) * job.frame.scale,
                 volume_change=change * job.frame.scale**3,
                 seconds=process_time() - clock,
             )
@@ -226,68 +229,44 @@ def _finished(work: Work, job: Job) -> Repaired:
     if still is not None:
         return _refused(still, work)
     solid = Mesh(vertices, faces)
-    measured = _measured(work, job, solid)
-    if job.policy.mode == "strict" and measured.largest > 1e-9 * job.mesh.diagonal:
+    deviation = measured(work, job, solid)
+    if job.policy.mode == "strict" and deviation.largest > 1e-9 * job.mesh.diagonal:
         return _refused("strict repair may not move the surface", work)
+    asked = job.policy.openings == "fill" or job.policy.thickness is not None
+    if not asked and strays(deviation, job, solid):
+        return _too_far(deviation, work, job)
     return Repaired(
         solid,
         work.steps,
-        measured,
-        (*work.findings, *_said(work, measured, united.cavities, kept)),
+        deviation,
+        (*work.findings, *_said(work, deviation, united.cavities, kept)),
         kept,
         united.cavities - kept,
         work.notes,
     )
 
 
-def _said(work: Work, measured: Deviation, cavities: int, kept: int) -> list[Finding]:
+def _too_far(deviation: Deviation, work: Work, job: Job) -> Repaired:
+    finding = Finding(
+        "AP203",
+        Severity.ERROR,
+        f"a hundredth of the surface would move by {deviation.p99 * 1000:.3g} mm and more, "
+        f"{deviation.largest * 1000:.3g} mm at most; the budget is "
+        f"{job.policy.budget_on(job.mesh) * 1000:.3g} mm",
+        hint="mend the mesh, or allow repair a larger budget",
+    )
+    return Repaired(None, work.steps, deviation, (*work.findings, finding), notes=work.notes)
+
+
+def _said(work: Work, deviation: Deviation, cavities: int, kept: int) -> list[Finding]:
     """What the user should know about a mesh that was repaired."""
     found = []
     taken = [step for step in work.steps if step.rung is not Rung.WELD]
     if taken:
         what = "; ".join(step.what for step in taken)
-        severity = Severity.WARNING if measured.largest > 0.0 else Severity.NOTE
+        severity = Severity.WARNING if deviation.largest > 0.0 else Severity.NOTE
         found.append(Finding("AP201", severity, what))
     if cavities:
         done = "kept" if kept else "filled"
         found.append(Finding("AP207", Severity.NOTE, f"{cavities} enclosed cavities were {done}"))
     return found
-
-
-def _measured(work: Work, job: Job, solid: Mesh) -> Deviation:
-    """Bounds from what was moved, added and given up; the rest of the surface stayed.
-
-    The percentiles are of the surfaces as they are, not of the bounds.
-    """
-    fresh, lost = work.fresh, work.lost
-    if work.displacement == work.beside == work.dropped == 0.0 and not len(fresh) and not len(lost):
-        return Deviation()
-    scale = job.frame.scale
-    after = Surface(job.frame.inward(solid.vertices), solid.faces)
-
-    def bound(target: Surface, corners: Corners, side: Side, floor: float) -> float:
-        sharp = max(job.budget / 10.0, floor)
-        return farthest(
-            target,
-            corners,
-            side=side,
-            resolution=RESOLUTION,
-            floor=sharp,
-            deadline=job.deadline,
-        )
-
-    # What was put beside lies about that far away: no need to know the rest more sharply.
-    added = max(bound(job.surface, fresh, "surface", work.beside), work.beside)
-    removed = max(bound(after, lost, "solid", work.dropped), work.dropped)
-    added, removed = added + work.displacement, removed + work.displacement
-    if max(removed, added) < _ROUNDING:
-        return Deviation()
-    faces = np.delete(job.mesh.faces, degenerate(job.mesh.faces), axis=0)
-    before = job.frame.inward(job.mesh.vertices), faces
-    return Deviation(
-        removed * scale,
-        added * scale,
-        min(quantile(after, before, side="solid"), removed) * scale,
-        min(quantile(job.surface, (after.vertices, after.faces), side="surface"), added) * scale,
-        "bound",
-    )

@@ -8,29 +8,45 @@ different components, then put together.
 from __future__ import annotations
 
 from time import process_time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.health.topology import face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
 from assetpipe.geometry.products import added, products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
+from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, sample
 from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.result import Rung, Step
+from assetpipe.geometry.repair.rows import as_rows
 from assetpipe.geometry.repair.surface import Surface
-from assetpipe.geometry.repair.unite import Shell, arrays_of, manifold_of, shells_of, unite
+from assetpipe.geometry.repair.unite import (
+    Shell,
+    arrays_of,
+    manifold_of,
+    put_together,
+    shells_of,
+    unite,
+)
+from assetpipe.geometry.repair.winding import CELL, solid_of_soup
+from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked
+
+if TYPE_CHECKING:
+    from assetpipe import _core
 
 _POINTS = 256
 _ASIDE = 7.7e-6
-_SURE = 32
 _DEPTH = 5
 _TRIED = 3
 _HOPELESS = 0.7
 """Where three halvings leave more than this share of the overlap, two more do not help."""
 _ON_PLANE = 1e-9
+_MANY = 20_000
+_INVERTED = 0.01
+"""Share of the surface that may be lost, because it encloses inside-out."""
 TANGLED = 5e-3
 """Share of the area that may lie inside the shell itself."""
 
@@ -40,98 +56,181 @@ def disentangled(work: Work, job: Job) -> Work:
     clock = process_time()
     shells: list[Shell] = []
     done, left = 0, 0
-    change = 0.0
+    change, area, tangled, gone = 0.0, 0.0, 0.0, 0.0
     fresh, lost = [work.fresh], [work.lost]
     for shell in work.shells:
         job.deadline.check()
-        if overlap(shell) <= TANGLED:
+        shares = overlaps(shell)
+        if sum(shares) <= TANGLED:
             shells.append(shell)
             continue
+        # What is enclosed inside-out is lost, whether the shell is made another or stays.
+        lost.append(shell.vertices[shell.faces])
         outward = shell if shell.volume > 0.0 else shell.reversed()
         parts = untangled(outward, job.deadline)
-        lost.append(shell.vertices[shell.faces])
-        fresh += [part.vertices[part.faces] for part in parts or [shell]]
+        if parts is None or _strays(parts, outward, job):
+            parts = _wrapped(outward, job) if shares[0] > TANGLED else None
         if parts is None:
             shells.append(shell)
             left += 1
+            area, tangled = area + _area(shell), tangled + sum(shares) * _area(shell)
+            gone += _area(shell) * _lost(outward, job.budget)
             continue
+        fresh += [part.vertices[part.faces] for part in parts]
         done += 1
         change += added(part.volume for part in parts) - outward.volume
         shells += parts if shell.volume > 0.0 else [part.reversed() for part in parts]
-    notes = (f"{left} pieces overlap themselves; where they do, they enclose twice",) * (left > 0)
     if not done and not left:
         return work
-    work = work.after(notes=work.notes + notes, fresh=stacked(*fresh), lost=stacked(*lost))
+    work = work.after(fresh=stacked(*fresh), lost=stacked(*lost))
+    if left:
+        gone /= sum(_area(shell) for shell in work.shells)
+        work = work.after(findings=(_tangled(left, tangled / area, gone),))
     if not done:
         return work
     step = Step(
         Rung.UNTANGLE,
-        f"made {done} pieces that overlapped themselves enclose everything once",
+        f"made {counted(done, 'piece')} that overlapped themselves enclose everything once",
         volume_change=change * job.frame.scale**3,
         seconds=process_time() - clock,
     )
     return work.after(step, shells=tuple(shells))
 
 
-def overlap(shell: Shell) -> float:
-    """Share of a shell's area next to which it encloses twice or inside-out (fixed sample).
+def _wrapped(shell: Shell, job: Job) -> list[Shell] | None:
+    """All that a shell goes around, whichever way, as a body by winding number."""
+    body = solid_of_soup(
+        shell.vertices, shell.faces, CELL, job.limits.cells, job.deadline, sense="either"
+    )
+    parts = None if body is None else shells_of(*body)
+    return None if parts is None or _strays(parts, shell, job) else parts
 
-    The winding number of a sound shell that faces outward is one below its surface and
-    zero above. Thin walls and gaps exchange the two and are no fault; two or more below,
+
+def _strays(parts: list[Shell], shell: Shell, job: Job) -> bool:
+    """Whether what was made of a shell lies farther from it than the budget, either way."""
+    made = Surface(*put_together(parts))
+    budget, deadline = job.budget, job.deadline
+    removed = farthest(
+        made,
+        shell.vertices[shell.faces],
+        side="solid",
+        resolution=RESOLUTION,
+        floor=budget,
+        deadline=deadline,
+    )
+    added = farthest(
+        Surface(shell.vertices, shell.faces),
+        made.vertices[made.faces],
+        side="surface",
+        resolution=RESOLUTION,
+        floor=budget,
+        deadline=deadline,
+    )
+    return max(removed, added) > budget
+
+
+def _area(shell: Shell) -> float:
+    return float(face_areas(shell.vertices, shell.faces)[0].sum())
+
+
+def _lost(shell: Shell, budget: float) -> float:
+    """Share of a shell's area that is farther than the budget from what it encloses outward.
+
+    Where it goes around inside-out it bounds no solid; near to some that it does bound, that
+    makes no difference. Told from points spread over the area.
+    """
+    from scipy.spatial import cKDTree
+
+    points = sample(shell.vertices, shell.faces, _MANY)
+    face = Surface(shell.vertices, shell.faces).closest(points)[1]
+    areas, normals = face_areas(shell.vertices, shell.faces)
+    unit = normals[face] / np.maximum(2.0 * areas[face], np.finfo(float).tiny)[:, None]
+    solid = _core_solid(shell.vertices, shell.faces)
+    bounds = np.zeros(len(points), dtype=bool)
+    for way in (-1.0, 1.0):
+        bounds |= solid.winding(points + way * _ASIDE * unit) > 0
+    if not bounds.any():
+        return 1.0
+    away = cKDTree(points[bounds]).query(points[~bounds])[0]
+    return float(np.count_nonzero(away > budget)) / len(points)
+
+
+def _tangled(pieces: int, share: float, gone: float) -> Finding:
+    number = "1 piece overlaps itself" if pieces == 1 else f"{pieces} pieces overlap themselves"
+    if gone <= _INVERTED:
+        return Finding("AP209", Severity.WARNING, f"{number} along {share:.1%} of the area")
+    return Finding(
+        "AP209",
+        Severity.ERROR,
+        f"{number}; {gone:.1%} of the surface encloses inside-out and would be lost",
+        hint="mend the mesh: it runs through itself",
+    )
+
+
+def _core_solid(vertices: FloatArray, faces: IntArray) -> _core.Solid:
+    from assetpipe import _core
+
+    return _core.Solid(np.ascontiguousarray(vertices), np.ascontiguousarray(faces))
+
+
+def overlap(shell: Shell) -> float:
+    """Share of a shell's area next to which it encloses twice or inside-out (fixed sample)."""
+    return sum(overlaps(shell))
+
+
+def overlaps(shell: Shell) -> tuple[float, float]:
+    """Shares of a shell's area next to which it encloses inside-out, and only twice.
+
+    Known at 256 places spread over the area, the same for every order of the faces. The
+    winding number of a sound shell that faces outward is one below its surface and zero
+    above. Thin walls and gaps exchange the two and are no fault; two or more below,
     or less than zero above, are.
     """
-    import igl
-
-    areas, normals = face_areas(shell.vertices, shell.faces)
+    faces = shell.faces[_order(shell.vertices, shell.faces)]
+    areas, normals = face_areas(shell.vertices, faces)
     total = areas.cumsum()
     places = (np.arange(_POINTS) + 0.5) / _POINTS * total[-1]
     face = np.minimum(np.searchsorted(total, places), len(areas) - 1)
     unit = normals[face] / np.maximum(2.0 * areas[face], np.finfo(float).tiny)[:, None]
-    centres = shell.vertices[shell.faces[face]].mean(axis=1)
-    sense = np.sign(shell.volume)
+    centres = shell.vertices[faces[face]].mean(axis=1)
+    sense = 1 if shell.volume >= 0.0 else -1
     aside = sense * _ASIDE * unit
-    surface = Surface(shell.vertices, shell.faces)
-    points = np.concatenate([centres - aside, centres + aside])
-    suspect = np.flatnonzero(_wrong(sense * surface.winding(points)))
-    if len(suspect) <= TANGLED * _POINTS:
-        return len(suspect) / _POINTS
-    # Fast winding numbers are wrong next to needles: look again, exactly, at some.
-    chosen = suspect[:: max(1, len(suspect) // _SURE)]
-    exact = igl.winding_number(shell.vertices, shell.faces, points[chosen])
-    below = chosen < _POINTS
-    sure = np.where(below, sense * exact > 1.5, sense * exact < -0.5)
-    return float(np.mean(sure)) * len(suspect) / _POINTS
+    solid = _core_solid(shell.vertices, faces)
+    below, above = (sense * solid.winding(centres + way * aside) for way in (-1.0, 1.0))
+    inverted = above < 0
+    return float(np.mean(inverted)), float(np.mean((below > 1) & ~inverted))
+
+
+def _order(vertices: FloatArray, faces: IntArray) -> IntArray:
+    """(m,) an order of faces that follows from their corners, whatever the order they have."""
+    _, rank = np.unique(as_rows(vertices), return_inverse=True)
+    low, middle, high = np.sort(rank.reshape(-1)[faces], axis=1).T
+    order: IntArray = np.lexsort((high, middle, low))
+    return order
 
 
 def components_disagree(mesh: Mesh, label: IntArray) -> bool:
-    """Whether components of a closed mesh, told by (m,) ``label``, overlap each other or lie
-    inside-out in the open.
+    """Whether components of a closed mesh, told by (m,) ``label``, overlap each other or
+    themselves, or lie inside-out in the open.
 
     Of the first it knows by samples, :func:`overlap`, of the second by the winding number
     within every component that faces inward.
     """
     number = int(label.max()) + 1
-    if number == 1:
-        return False
-    import igl
-
     units = Frame.around(mesh.vertices).inward(mesh.vertices)
-    a, b, c = (units[mesh.faces[:, k]] for k in range(3))
-    inward = np.bincount(label, products(a, np.cross(b, c)), number) < 0.0
-    areas, normals = face_areas(units, mesh.faces)
-    order = np.lexsort((-areas, label))
-    largest = order[np.searchsorted(label[order], np.flatnonzero(inward))]
-    unit = normals[largest] / np.maximum(2.0 * areas[largest], np.finfo(float).tiny)[:, None]
-    within = units[mesh.faces[largest]].mean(axis=1) + _ASIDE * unit
-    if (igl.winding_number(units, mesh.faces, within) < -0.5).any():
-        return True
+    if number > 1:
+        order = _order(units, mesh.faces)
+        faces, label = mesh.faces[order], label[order]
+        a, b, c = (units[faces[:, k]] for k in range(3))
+        inward = np.bincount(label, products(a, np.cross(b, c)), number) < 0.0
+        areas, normals = face_areas(units, faces)
+        order = np.lexsort((-areas, label))
+        largest = order[np.searchsorted(label[order], np.flatnonzero(inward))]
+        unit = normals[largest] / np.maximum(2.0 * areas[largest], np.finfo(float).tiny)[:, None]
+        within = units[faces[largest]].mean(axis=1) + _ASIDE * unit
+        if (_core_solid(units, faces).winding(within) < 0).any():
+            return True
     return overlap(Shell.of(units, mesh.faces)) > TANGLED
-
-
-def _wrong(winding: FloatArray) -> npt.NDArray[np.bool_]:
-    """Which points, the first half below the surface and the others above, are at fault."""
-    below, above = winding[:_POINTS] > 1.5, winding[_POINTS:] < -0.5
-    return np.concatenate([below, above])
 
 
 def untangled(shell: Shell, deadline: Deadline = NEVER) -> list[Shell] | None:

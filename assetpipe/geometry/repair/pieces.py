@@ -39,7 +39,7 @@ def divided(corners: Corners, faces: Corners, near: FloatArray) -> tuple[Corners
     slender = ~cut & (length.min(axis=1) < _SLENDER * length.max(axis=1))
     whole = ~cut & ~slender
     parts = (
-        _quarters(corners[whole]),
+        quarters(corners[whole]),
         _halves(corners[slender], length[slender]),
         _sliced(corners[cut], side[each, best][cut]),
     )
@@ -47,7 +47,7 @@ def divided(corners: Corners, faces: Corners, near: FloatArray) -> tuple[Corners
     return np.concatenate(parts), np.concatenate(source)
 
 
-def _quarters(corners: Corners) -> Corners:
+def quarters(corners: Corners) -> Corners:
     """Each triangle cut at its edges' midpoints."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0

@@ -14,7 +14,8 @@ from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.stitch import boundary_length, insert_junctions, weld_boundary
 from assetpipe.geometry.repair.unite import Shell
-from assetpipe.geometry.repair.work import Job, Work
+from assetpipe.geometry.repair.wording import counted
+from assetpipe.geometry.repair.work import Job, Work, stacked
 
 _STITCHES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Tolerances of the boundary weld, as shares of the unit; none beyond the budget."""
@@ -73,7 +74,7 @@ def wound(work: Work, job: Job) -> Work:
     faces, flipped, one_sided = wind_consistently(work.vertices, work.faces)
     if not flipped:
         return work
-    what = f"turned {flipped} faces to agree with their neighbours"
+    what = f"turned {counted(flipped, 'face')} to agree with their neighbours"
     if one_sided:
         what += f"; {one_sided} patches are one-sided"
     return work.after(Step(Rung.ORIENT, what, seconds=process_time() - clock), faces=faces)
@@ -86,6 +87,7 @@ def stitched(work: Work, job: Job) -> Work:
     left = boundary_length(vertices, faces)
     welded = inserted = 0
     moved = 0.0
+    lost = work.lost
     for tolerance in _STITCHES:
         if left == 0.0 or tolerance > job.budget:
             break
@@ -101,15 +103,18 @@ def stitched(work: Work, job: Job) -> Work:
                 vertices, faces, left = tried.vertices, tried.faces, rest
                 welded, inserted = welded + tried.welded, inserted + tried.inserted
                 moved += tried.displacement
+                lost = stacked(lost, tried.dropped)
     if not welded and not inserted:
         return work
     metres = moved * job.frame.scale
+    joined = [f"{welded} boundary vertices"] * (welded > 0)
+    joined += [counted(inserted, "T-junction")] * (inserted > 0)
     step = Step(
         Rung.STITCH,
-        f"joined {welded} boundary vertices and {inserted} T-junctions, "
-        f"moving them at most {metres:.3g} m",
+        f"joined {' and '.join(joined)}, moving them at most {metres:.3g} m",
         moved=metres,
         volume_change=None,
         seconds=process_time() - clock,
     )
-    return work.after(step, vertices=vertices, faces=faces, displacement=work.displacement + moved)
+    moved += work.displacement
+    return work.after(step, vertices=vertices, faces=faces, lost=lost, displacement=moved)

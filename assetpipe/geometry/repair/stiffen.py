@@ -17,6 +17,7 @@ from assetpipe.geometry.repair.holes import cap, openings
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.sheets import manifold_pieces, thicken
 from assetpipe.geometry.repair.unite import shells_of, signed_volume
+from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Patch, Work, stacked, triangles_of
 
 
@@ -53,7 +54,8 @@ def thickened(work: Work, job: Job) -> Work:
     )
     step = Step(
         Rung.SHEET,
-        f"gave {len(work.patches)} open sheets a thickness of {job.thickness * scale:.3g} m",
+        f"gave {counted(len(work.patches), 'open sheet')} "
+        f"a thickness of {job.thickness * scale:.3g} m",
         moved=moved * scale,
         volume_change=None,
         seconds=process_time() - clock,
@@ -64,6 +66,8 @@ def thickened(work: Work, job: Job) -> Work:
         shells=(*work.shells, *shells),
         patches=(),
         fresh=stacked(work.fresh, caps),
+        # Where sheets are narrower than their thickness, slabs need not hold all of them.
+        lost=stacked(work.lost, *(sheet.corners for sheet in work.patches)),
         beside=max(work.beside, beside),
     )
 
@@ -106,13 +110,14 @@ def _wide(patch: Patch, job: Job) -> list[Finding]:
     scale = job.frame.scale
     opening = max((trial.openings[i] for i in wide), key=lambda o: o.width)
     at = ", ".join(f"{x:.4g}" for x in job.frame.outward(opening.centre[None])[0])
-    flat = "plane" if opening.flatness < 0.01 * opening.width else "not plane"
+    flat = "flat" if opening.flatness < 0.01 * opening.width else "not flat"
     return [
         Finding(
             "AP208",
             Severity.WARNING,
-            f"{len(wide)} openings are wider than the repair budget allows to close; the "
-            f"widest, {opening.width * scale:.4g} m at ({at}) and {flat}, was left open and "
+            f"{counted(len(wide), 'opening')} {'is' if len(wide) == 1 else 'are'} wider than the "
+            f"repair budget allows to close; the widest, {opening.width * scale:.4g} m at ({at}) "
+            f"and {flat}, was left open and "
             f"the surface given a thickness of {job.thickness * scale:.3g} m",
             hint="if the part is solid, close the mesh or set openings to 'fill', for all (in "
             "repair:, or --openings fill) or for this link (in links:)",

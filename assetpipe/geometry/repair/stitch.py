@@ -5,7 +5,7 @@ Only boundary vertices move, so that closed parts of the surface keep their bits
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,19 +14,30 @@ from assetpipe.geometry.health.weld import degenerate, referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.subdivide import insert_on_edges
+from assetpipe.geometry.repair.surface import Corners, no_corners
 
 _CANDIDATES = 5_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Stitched:
-    """Arrays after stitching, and how far a point of the surface moved at most."""
+    """Arrays after stitching.
+
+    Attributes:
+        vertices: (n, 3).
+        faces: (m, 3).
+        welded: vertices that were joined with others.
+        inserted: vertices that were put onto edges.
+        displacement: how far a point of the faces that are left moved at most.
+        dropped: the faces that collapsed, as they were: nothing need be left where they lay.
+    """
 
     vertices: FloatArray
     faces: IntArray
     welded: int = 0
     inserted: int = 0
     displacement: float = 0.0
+    dropped: Corners = field(default_factory=no_corners)
 
 
 def boundary_length(vertices: FloatArray, faces: IntArray) -> float:
@@ -59,10 +70,11 @@ def weld_boundary(vertices: FloatArray, faces: IntArray, tolerance: float) -> St
     displacement = float(distance[distance <= tolerance].max())
     to = np.arange(len(vertices))
     to[rim] = target
-    faces = to[faces]
-    faces = np.delete(faces, degenerate(faces), axis=0)
-    kept, faces = referenced(vertices, faces)
-    return Stitched(kept, faces, int((target != rim).sum()), 0, displacement)
+    joined = to[faces]
+    gone = degenerate(joined)
+    kept, left = referenced(vertices, np.delete(joined, gone, axis=0))
+    welded = int((target != rim).sum())
+    return Stitched(kept, left, welded, 0, displacement, vertices[faces[gone]])
 
 
 def insert_junctions(vertices: FloatArray, faces: IntArray, tolerance: float) -> Stitched:
@@ -91,10 +103,10 @@ def insert_junctions(vertices: FloatArray, faces: IntArray, tolerance: float) ->
     points: dict[int, list[int]] = {}
     for e, v in zip(edge[order].tolist(), vertex[order].tolist(), strict=True):
         points.setdefault(int(half[e]), []).append(v)
-    faces = insert_on_edges(faces, points)
-    faces = np.delete(faces, degenerate(faces), axis=0)
-    kept, faces = referenced(vertices, faces)
-    return Stitched(kept, faces, 0, len(edge), float(distance.max()))
+    cut = insert_on_edges(faces, points)
+    gone = degenerate(cut)
+    kept, left = referenced(vertices, np.delete(cut, gone, axis=0))
+    return Stitched(kept, left, 0, len(edge), float(distance.max()), vertices[cut[gone]])
 
 
 def _on_edges(

@@ -30,6 +30,7 @@ class Surface:
         self.faces = np.ascontiguousarray(faces)
         self._tree: Any = None
         self._winding: Any = None
+        self._solid: Any = None
 
     def _nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
         import igl
@@ -62,6 +63,26 @@ class Surface:
             self._winding = igl.FastWindingNumberBVH()
             self._winding.init(self.vertices, self.faces)
         result: FloatArray = self._winding.winding_number(np.ascontiguousarray(points))
+        return result
+
+    def exact_winding(self, points: FloatArray) -> FloatArray:
+        """(n,) winding number, right next to the surface too; asks every face for every point."""
+        import igl
+
+        if not len(points):
+            return np.zeros(0)
+        result: FloatArray = igl.winding_number(
+            self.vertices, self.faces, np.ascontiguousarray(points)
+        )
+        return result
+
+    def contains(self, points: FloatArray) -> npt.NDArray[np.bool_]:
+        """(n,) whether points belong to what a closed surface encloses; exact."""
+        from assetpipe import _core
+
+        if self._solid is None:
+            self._solid = _core.Solid(self.vertices, self.faces)
+        result: npt.NDArray[np.bool_] = self._solid.contains(np.ascontiguousarray(points))
         return result
 
     def outside(self, points: FloatArray) -> FloatArray:

@@ -24,6 +24,7 @@ from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.surface import Corners, Surface
 from assetpipe.geometry.repair.unite import Shell, shells_of
+from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work
 
 _FLAT = 1e-13
@@ -62,13 +63,14 @@ def unfolded(work: Work, job: Job) -> Work:
         if result.folds:
             change += added(part.volume for part in result.shells) - shell.volume
         beside, dropped = max(beside, result.added), max(dropped, result.removed)
-    notes = (f"folds without thickness stay in {left} pieces: they reach too far",) * (left > 0)
+    stay = f"folds without thickness stay in {counted(left, 'piece')}: they reach too far"
+    notes = (stay,) * (left > 0)
     work = work.after(notes=work.notes + notes)
     if not number:
         return work
     step = Step(
         Rung.CLEAN,
-        f"took {number} folds without thickness out of the surface",
+        f"took {counted(number, 'fold')} without thickness out of the surface",
         moved=max(beside, dropped) * job.frame.scale,
         volume_change=change * job.frame.scale**3,
         seconds=process_time() - clock,
@@ -277,7 +279,8 @@ class _Layers:
         return float(self._areas(faces).min())
 
     def _areas(self, faces: list[Triangle]) -> FloatArray:
-        corners = np.array([self.points[v] for face in faces for v in face])
+        # Corners in one order: rounding must not make a face larger or smaller than itself.
+        corners = np.array([self.points[v] for face in faces for v in sorted(face)])
         return face_areas(corners, np.arange(len(corners)).reshape(-1, 3))[0]
 
 

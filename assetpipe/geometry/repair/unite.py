@@ -6,7 +6,7 @@ run in float64 on a centred unit copy.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from assetpipe.geometry.health.topology import Edges, face_components, groups
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
-from assetpipe.geometry.products import products
+from assetpipe.geometry.products import added, products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.rows import as_rows
 from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
@@ -139,6 +139,11 @@ def _contains(outer: Surface, inner: Shell) -> bool:
     return bool((np.abs(winding) > 0.5).all())
 
 
+def nothing() -> tuple[FloatArray, IntArray]:
+    """Arrays of no surface."""
+    return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
+
+
 @dataclass(frozen=True, eq=False)
 class United:
     """Shells made one.
@@ -148,22 +153,26 @@ class United:
         faces: (m, 3).
         inverted: outermost shells that were inside-out.
         cavities: enclosed voids found.
+        enclosed: what all shells enclose, voids less, each for itself.
         buried: shells that lay wholly inside others and facing outward.
         joined: ``"alone"``: a single shell; ``"apart"``: shells that don't overlap, put side
             by side; ``"union"``.
-        gone: triangles of shells that manifold3d did not take as they are.
-        put: what it took instead.
+        gone: triangles of shells that a union has not, corner for corner.
+        put: those that it has instead.
+        taken: vertices and faces of the shells that went into a union.
         turned: triangles of the shells that were inside-out.
     """
 
     vertices: FloatArray
     faces: IntArray
-    inverted: int
-    cavities: int
-    buried: int
-    joined: Literal["alone", "apart", "union"]
+    inverted: int = 0
+    cavities: int = 0
+    enclosed: float = 0.0
+    buried: int = 0
+    joined: Literal["alone", "apart", "union"] = "alone"
     gone: Corners = field(default_factory=no_corners)
     put: Corners = field(default_factory=no_corners)
+    taken: tuple[FloatArray, IntArray] = field(default_factory=nothing)
     turned: Corners = field(default_factory=no_corners)
 
 
@@ -198,16 +207,32 @@ def unite(
         covered = [i for i in every if not hollow[i] and parent[i] >= 0]
     buried = set(covered)
     bodies = [i for i in every if not hollow[i] and i not in buried]
+    found = United(
+        *nothing(),
+        inverted=nested.inverted,
+        cavities=len(voids),
+        enclosed=added(shell.volume for shell in shells),
+        buried=len(covered),
+    )
     if nested.touching == 0:
         vertices, faces = put_together([shells[i] for i in sorted([*bodies, *kept])])
         joined: Literal["alone", "apart"] = "alone" if len(bodies) + len(kept) == 1 else "apart"
-        return United(vertices, faces, nested.inverted, len(voids), len(covered), joined)
+        return replace(found, vertices=vertices, faces=faces, joined=joined)
     merged = _boolean(shells, bodies + covered, kept, parent, deadline)
     if merged is None:
         return None
-    union, gone, put = merged
-    return United(
-        *arrays_of(union), nested.inverted, len(voids), len(covered), "union", gone, put, turned
+    union, taken = merged
+    vertices, faces = arrays_of(union)
+    gone, put = different(*taken, vertices, faces)
+    return replace(
+        found,
+        vertices=vertices,
+        faces=faces,
+        joined="union",
+        gone=taken[0][taken[1][gone]],
+        put=vertices[faces[put]],
+        taken=taken,
+        turned=turned,
     )
 
 
@@ -256,40 +281,34 @@ def _boolean(
     voids: list[int],
     parent: tuple[int, ...],
     deadline: Deadline,
-) -> tuple[Any, Corners, Corners] | None:
-    """The union as a manifold3d solid, and the triangles that it took away and put instead.
+) -> tuple[Any, tuple[FloatArray, IntArray]] | None:
+    """The union of bodies less the voids in them, and the arrays of all that went into it.
 
-    manifold3d replaces faces that are degenerate to it, and refuses some shells whole.
+    manifold3d replaces faces that are degenerate to it, refuses some shells whole, and moves
+    the surface where shells cross themselves: none of it may go unmeasured.
     """
     import manifold3d
 
-    gone, put = [no_corners()], [no_corners()]
+    taken: list[Shell] = []
 
-    def taken(shell: Shell) -> Any | None:
-        solid = manifold_of(shell.vertices, shell.faces)
-        if solid is None:
-            gone.append(shell.vertices[shell.faces])
-            return None
-        vertices, faces = arrays_of(solid)
-        before, after = different(shell.vertices, shell.faces, vertices, faces)
-        gone.append(shell.vertices[shell.faces[before]])
-        put.append(vertices[faces[after]])
-        return solid
+    def solid_of(shell: Shell) -> Any | None:
+        taken.append(shell)
+        return manifold_of(shell.vertices, shell.faces)
 
     solids: list[Any] = []
     for i in bodies:
         deadline.check()
-        solid = taken(shells[i] if shells[i].volume >= 0.0 else shells[i].reversed())
+        solid = solid_of(shells[i] if shells[i].volume >= 0.0 else shells[i].reversed())
         for j in voids:
-            if solid is not None and parent[j] == i:
-                hole = taken(shells[j].reversed())
-                solid = solid if hole is None else solid - hole
+            if parent[j] == i:
+                hole = solid_of(shells[j].reversed())
+                solid = solid if hole is None or solid is None else solid - hole
         if solid is not None:
             solids.append(solid)
     union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
     if union.status() != manifold3d.Error.NoError or union.is_empty():
         return None
-    return union, np.concatenate(gone), np.concatenate(put)
+    return union, put_together(taken)
 
 
 def different(

@@ -9,6 +9,7 @@ wherever the surface leads from there, and then drawn to the soup where that is 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import arrays_of, manifold_of, signed_volume
 
+Sense = Literal["outward", "either"]
+CELL = 5e-3
+"""Edge of the grid's cells, in units."""
 _LEVEL = 0.5
 _ROUNDS = 400
 _NEIGHBOURS = np.array(
@@ -65,6 +69,8 @@ def solid_of_soup(
     cell: float,
     cells: int,
     deadline: Deadline = NEVER,
+    *,
+    sense: Sense = "outward",
 ) -> tuple[FloatArray, IntArray] | None:
     """The closed surface around all points with a winding number above one half.
 
@@ -74,6 +80,7 @@ def solid_of_soup(
         cell: edge of the grid's cells.
         cells: how many there may be.
         deadline: past which LimitError is raised.
+        sense: ``"either"``: what is enclosed inside-out counts as enclosed, too.
 
     Returns:
         Vertices and faces, closed and outward; ``None`` if nothing is enclosed or the
@@ -82,7 +89,7 @@ def solid_of_soup(
     import igl
 
     surface = Surface(vertices, faces)
-    found = _cells(surface, cell, cells, deadline)
+    found = _cells(surface, cell, cells, deadline, sense)
     if found is None:
         return None
     lattice, active, corner_codes, values = found
@@ -113,7 +120,7 @@ _MARCHING_ORDER = np.array(
 
 
 def _cells(
-    surface: Surface, cell: float, limit: int, deadline: Deadline
+    surface: Surface, cell: float, limit: int, deadline: Deadline, sense: Sense
 ) -> tuple[Lattice, IntArray, IntArray, FloatArray] | None:
     """Cells that the surface of level one half passes, followed wherever it leads."""
     import igl
@@ -134,7 +141,8 @@ def _cells(
         corners = lattice.code(lattice.ijk(fresh)[:, None] + _CORNERS)
         unknown = missing(corners, codes)
         codes = np.concatenate([codes, unknown])
-        values = np.concatenate([values, surface.winding(lattice.points(unknown))])
+        around = surface.winding(lattice.points(unknown))
+        values = np.concatenate([values, around if sense == "outward" else np.abs(around)])
         order = np.argsort(codes, kind="stable")
         codes, values = codes[order], values[order]
         inside = values[np.searchsorted(codes, corners)] > _LEVEL

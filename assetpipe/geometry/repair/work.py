@@ -82,6 +82,7 @@ class Work:
         fresh: triangles that the input did not have.
         lost: triangles of the input that were replaced or dropped.
         dropped: bound on how far from the solid lies what was dropped and is not ``lost``.
+        grown: bound on how far a union put the surface from the pieces that it united.
         displacement: bound on how far points of the input were moved.
         beside: bound on how far from the input the surface lies that is not ``fresh`` and
             was put beside it.
@@ -95,6 +96,7 @@ class Work:
     fresh: Corners = field(default_factory=no_corners)
     lost: Corners = field(default_factory=no_corners)
     dropped: float = 0.0
+    grown: float = 0.0
     displacement: float = 0.0
     beside: float = 0.0
     cavities_kept: int = 0

@@ -17,11 +17,9 @@ from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.rows import as_rows
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, shells_of, signed_volume
-from assetpipe.geometry.repair.winding import solid_of_soup
+from assetpipe.geometry.repair.winding import CELL, solid_of_soup
 from assetpipe.geometry.repair.work import Job, Patch, Work, stacked, triangles_of
 
-CELL = 5e-3
-"""Edge of the grid's cells, in units."""
 _TRIAL = 2e-2
 
 

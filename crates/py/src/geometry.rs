@@ -1,10 +1,11 @@
-//! Cuts, for those who want a core piece by itself.
+//! Cuts and sides, for those who want a core piece by itself.
 
+use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::{clip, mesh, DVec3, Plane};
-use numpy::PyReadonlyArray2;
+use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{arrays, mesh as from_arrays, Arrays};
+use crate::arrays::{arrays, mesh as from_arrays, points as points_of, Arrays};
 use crate::errors::{engine_error, mesh_error};
 
 type Pieces<'py> = (Option<Arrays<'py>>, Option<Arrays<'py>>);
@@ -37,4 +38,44 @@ pub fn split<'py>(
         cut.below.map(|piece| arrays(py, &piece)),
         cut.above.map(|piece| arrays(py, &piece)),
     ))
+}
+
+/// A closed solid to ask which points belong to it.
+#[pyclass(frozen)]
+pub struct Solid(SolidIndex);
+
+#[pymethods]
+impl Solid {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        faces: PyReadonlyArray2<'_, i64>,
+    ) -> PyResult<Solid> {
+        let solid = from_arrays(py, &vertices, &faces)?;
+        Ok(Solid(py.detach(|| SolidIndex::new(&solid))))
+    }
+
+    /// Which of (n, 3) points are inside; exact but for points of the surface.
+    fn contains<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let asked = points_of(py, &points)?;
+        let found = py.detach(|| asked.iter().map(|q| self.0.contains(*q)).collect());
+        Ok(PyArray1::from_vec(py, found))
+    }
+
+    /// How often the surface goes around each of (n, 3) points; once for points on it.
+    fn winding<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let asked = points_of(py, &points)?;
+        let around = |q: &DVec3| i64::from(self.0.bvh().winding_number(*q).unwrap_or(1));
+        let found = py.detach(|| asked.iter().map(around).collect());
+        Ok(PyArray1::from_vec(py, found))
+    }
 }

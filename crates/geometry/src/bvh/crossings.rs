@@ -31,9 +31,18 @@ impl Bvh {
     /// wound outward; inner shells wound inward are cavities, and shells that
     /// overlap count as their union.
     pub fn side(&self, q: DVec3) -> Side {
+        match self.winding_number(q) {
+            None => Side::On,
+            Some(w) if w >= 1 => Side::Inside,
+            Some(_) => Side::Outside,
+        }
+    }
+
+    /// How often the closed surface goes around `q`; `None` if `q` lies on it.
+    pub fn winding_number(&self, q: DVec3) -> Option<i32> {
         let bounds = self.bounds();
         if self.is_empty() || bounds.distance2(q) > 0.0 {
-            return Side::Outside;
+            return Some(0);
         }
         // The shortest way out crosses the fewest triangles.
         let (up, down) = (bounds.hi - q, q - bounds.lo);
@@ -45,11 +54,7 @@ impl Bvh {
                 }
             }
         }
-        match self.winding(q, best.1, best.2) {
-            None => Side::On,
-            Some(w) if w >= 1 => Side::Inside,
-            Some(_) => Side::Outside,
-        }
+        self.winding(q, best.1, best.2)
     }
 
     /// Winding number around `q` by the ray along `direction` (±1) of `axis`;
