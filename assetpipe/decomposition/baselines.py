@@ -50,7 +50,7 @@ def decompose_with(
     if engine not in ENGINES:
         raise UsageError(unknown_name("engine", engine, ENGINES))
     wanted = Tolerance.parse(tolerance)
-    solid, repaired = as_solid(Mesh.of(mesh), options.get("cavities", "keep"))
+    solid, repaired = as_solid(mesh, options.get("cavities", "keep"))
     on_progress: Callable[[float], object] | None = options.get("on_progress")
     if on_progress is not None and on_progress(0.0) is False:
         raise CancelledError("cancelled")

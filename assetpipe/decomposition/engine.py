@@ -22,7 +22,7 @@ from assetpipe.decomposition.params import (
 from assetpipe.decomposition.reach import check_reach, close_unreachable
 from assetpipe.decomposition.shaping import Shapes, check_shaping, shaped
 from assetpipe.decomposition.tolerance import Tolerance
-from assetpipe.errors import MeshError, UsageError, unknown_name
+from assetpipe.errors import LimitError, MeshError, UsageError, unknown_name
 from assetpipe.geometry.mesh import FloatArray, Mesh
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from assetpipe.geometry import Repaired
 
 Source = "Mesh | trimesh.Trimesh | tuple[Any, Any]"
+_THIN = 1e-9
+"""Share of the cube of the diagonal below which a volume may be rounding."""
 OnProgress = Callable[[float], object]
 
 _SETTINGS: dict[Effort, dict[str, str | float]] = {
@@ -47,7 +49,7 @@ _POLICY: dict[Metric, dict[str, str]] = {
 
 
 def decompose(
-    mesh: Mesh | trimesh.Trimesh | tuple[Any, Any],
+    mesh: Mesh | Repaired | trimesh.Trimesh | tuple[Any, Any],
     tolerance: Tolerance | float | str,
     *,
     metric: Metric = "thickening",
@@ -68,7 +70,8 @@ def decompose(
     Args:
         mesh: a Mesh, a ``trimesh.Trimesh`` or a pair (vertices (n, 3), faces (m, 3)) in
             metres. A mesh that is no closed solid is repaired first; ``repair`` of the
-            result says how and how far the surface moved.
+            result says how and how far the surface moved. What :func:`repair` made of a
+            mesh is taken as it is.
         tolerance: metres, a text such as ``"2mm"`` or ``"1%"``, or a :class:`Tolerance`.
         metric: what is held below the tolerance: ``"thickening"``, towards the whole
             solid, or ``"concavity"`` (Wei et al. 2022, Eq. 4), towards the part.
@@ -113,7 +116,7 @@ def decompose(
     if threads is not None and threads < 1:
         raise UsageError(f"threads must be at least 1, not {threads}")
     wanted = Tolerance.parse(tolerance)
-    solid, repaired = as_solid(Mesh.of(mesh), cavities)
+    solid, repaired = as_solid(mesh, cavities)
     epsilon = wanted.on(solid)
     given, closing = solid, None
     if reach > 0.0:
@@ -141,7 +144,10 @@ def decompose(
         )
         return _nodes(found), leaves
 
-    nodes, leaves = search(solid)
+    try:
+        nodes, leaves = search(solid)
+    except LimitError as error:
+        raise _with_cause(error, repaired) from None
     if closing is not None and closing.pockets:
         # Mouths of pockets that are left open may cost more than pockets save.
         plain, count = search(given)
@@ -174,6 +180,12 @@ def decompose(
     )
 
 
+def _with_cause(error: LimitError, repaired: Repaired | None) -> LimitError:
+    """The error, with what repair could not mend: it may need parts without end."""
+    left = [f.message for f in repaired.findings if f.code == "AP209"] if repaired else []
+    return LimitError("; ".join([error.message, *left])) if left else error
+
+
 def _nodes(found: list[Any]) -> tuple[Node, ...]:
     """The engine's answer as values."""
     return tuple(
@@ -200,37 +212,52 @@ def _check(metric: str, effort: str, cavities: str) -> None:
             raise UsageError(unknown_name(kind, name, known))
 
 
-def as_solid(mesh: Mesh, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
+def as_solid(
+    mesh: Mesh | Repaired | trimesh.Trimesh | tuple[Any, Any], cavities: Cavities
+) -> tuple[Mesh, Repaired | None]:
     """The mesh itself if it is a closed solid without folds, otherwise repaired.
+
+    What repair has made already is not repaired again.
 
     Raises:
         MeshError: it cannot be made a solid.
         LimitError: coordinates beyond those that volumes can be computed of.
     """
+    from assetpipe.geometry import Repaired, RepairPolicy, repair
+
+    if isinstance(mesh, Repaired):
+        return _solid_of(mesh), mesh if mesh.steps or mesh.findings else None
+    mesh = Mesh.of(mesh)
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
     mesh.check_size()
-    from assetpipe import _core
-    from assetpipe.geometry import RepairPolicy, repair
-    from assetpipe.geometry.repair.overlap import components_disagree
-
-    closed, edges, component, folds = _core.connections(mesh.vertices, mesh.faces)
-    if (
-        cavities == "keep"
-        and closed
-        and not folds
-        and mesh.volume > 0
-        and not _repeats_faces(mesh, edges)
-        and not components_disagree(mesh, component)
-    ):
+    if cavities == "keep" and _is_solid(mesh):
         return mesh, None
     repaired = repair(mesh, policy=RepairPolicy(cavities=cavities))
+    solid = _solid_of(repaired)
+    return (solid, repaired) if repaired.steps or repaired.findings else (mesh, None)
+
+
+def _solid_of(repaired: Repaired) -> Mesh:
     if repaired.solid is None:
         reasons = "; ".join(finding.message for finding in repaired.findings)
         raise MeshError(f"the mesh cannot be made a solid: {reasons or 'no rung of repair did'}")
-    if not repaired.steps:
-        return mesh, None
-    return repaired.solid, repaired
+    return repaired.solid
+
+
+def _is_solid(mesh: Mesh) -> bool:
+    """Whether a mesh can be taken as it is; where it is not clear, repair tells."""
+    from assetpipe import _core
+    from assetpipe.geometry.repair.overlap import components_disagree
+
+    closed, edges, component, folds = _core.connections(mesh.vertices, mesh.faces)
+    return (
+        closed
+        and not folds
+        and mesh.volume > _THIN * mesh.diagonal**3
+        and not _repeats_faces(mesh, edges)
+        and not components_disagree(mesh, component)
+    )
 
 
 def is_closed(mesh: Mesh) -> bool:
@@ -241,13 +268,14 @@ def is_closed(mesh: Mesh) -> bool:
 
 
 def _repeats_faces(mesh: Mesh, edges: int) -> bool:
-    """Whether a face stands in the mesh twice: shells that are doubled are closed, but no
-    longer tell which cavity belongs to which body. The mesh must be closed."""
+    """Whether a face stands in the mesh twice, from whichever side: such shells are closed,
+    but tell neither what is inside nor which cavity belongs to which body."""
     if 2 * edges == 3 * len(mesh.faces) and _are_apart(mesh.vertices):
         return False
-    from assetpipe.geometry.repair.clean import weld_exactly
+    from assetpipe.geometry.repair.clean import same_corners, weld_exactly
 
-    return weld_exactly(mesh.vertices, mesh.faces).repeated > 0
+    welded = weld_exactly(mesh.vertices, mesh.faces)
+    return welded.repeated > 0 or same_corners(welded.faces)[1] < len(welded.faces)
 
 
 def _are_apart(points: FloatArray) -> bool:

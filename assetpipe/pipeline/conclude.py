@@ -58,7 +58,11 @@ def result_of(draft: Draft, proof: Proof) -> RobotResult:
         )
     outcomes = [draft.outcomes[job] for job, _ in draft.meshes]
     loaded = tuple(outcomes)
-    findings: list[Finding] = list(draft.read.findings)
+    # Where visual meshes were taken, collision elements are there now.
+    given = any(kind == "visual" for kind, _, _ in draft.files)
+    findings: list[Finding] = [
+        finding for finding in draft.read.findings if not (given and finding.code == "AP107")
+    ]
     findings += located(
         draft.robot, draft.number, [draft.jobs[job] for job, _ in draft.meshes], outcomes
     )

@@ -17,7 +17,7 @@ import numpy as np
 
 from assetpipe.decomposition.tolerance import Tolerance
 from assetpipe.errors import AssetpipeError, EngineError, InputError, LimitError, MeshError
-from assetpipe.findings import Finding, Severity
+from assetpipe.findings import NEGLIGIBLE, Finding, Severity
 from assetpipe.geometry.mesh import Mesh
 from assetpipe.pipeline.outcome import HullOutcome, MeshOutcome
 from assetpipe.pipeline.stages import Reporter
@@ -49,7 +49,9 @@ def work(request: Mapping[str, Any], reporter: Reporter) -> MeshOutcome:
     if repaired is None or repaired.solid is None or request["until"] == "repair":
         return kept()
     reporter.stage("decompose")
-    made = _decompose(repaired.solid, request, facts, findings, reporter)
+    facts["tolerance"] = Tolerance(*request["params"]["tolerance"]).on(repaired.solid)
+    facts["volume"] = repaired.solid.volume
+    made = _decompose(repaired, request, facts, findings, reporter)
     if made is None:
         return kept()
     given, solid, hulls = made
@@ -134,15 +136,16 @@ def _solid(
     return repaired
 
 
-NEGLIGIBLE = 0.01
-"""Share of the tolerance up to which a repair's movement is worth a note, not a warning."""
+def _percent(share: float) -> str:
+    """Two digits, and no powers of ten."""
+    return f"{100 * share:.2g}%" if share < 0.995 else f"{100 * share:.0f}%"
 
 
 def graded(finding: Finding, moved: float, tolerance: float) -> Finding:
     """A repair's finding, weighed by what the user asked for.
 
-    AP201 is a warning where the surface moved by more than :data:`NEGLIGIBLE` of the
-    tolerance: below that, what repair did is lost in what decomposition may do.
+    AP201 is a warning where the surface moved by more than ``NEGLIGIBLE`` of the tolerance:
+    below that, what repair did is lost in what decomposition may do.
 
     Args:
         finding: of the repair.
@@ -154,13 +157,13 @@ def graded(finding: Finding, moved: float, tolerance: float) -> Finding:
     severity = Severity.WARNING if moved > NEGLIGIBLE * tolerance else Severity.NOTE
     message = (
         f"{finding.message}; the surface moved by at most {moved * 1000:.3g} mm, "
-        f"{100 * moved / tolerance:.2g}% of the tolerance"
+        f"{_percent(moved / tolerance)} of the tolerance"
     )
     return replace(finding, severity=severity, message=message)
 
 
 def _decompose(
-    solid: Mesh,
+    repaired: Repaired,
     request: Mapping[str, Any],
     facts: dict[str, Any],
     findings: list[Finding],
@@ -170,14 +173,11 @@ def _decompose(
     from assetpipe.decomposition import decompose_with
 
     params = request["params"]
-    tolerance = Tolerance(*params["tolerance"])
-    facts["tolerance"] = tolerance.on(solid)
-    facts["volume"] = solid.volume
     try:
         result: Decomposition = decompose_with(
             params["engine"],
-            solid,
-            tolerance,
+            repaired,
+            Tolerance(*params["tolerance"]),
             metric=params["metric"],
             effort=params["effort"],
             seed=params["seed"],
@@ -237,7 +237,8 @@ def _decompose(
                 hint=_budget_hint(params),
             )
         )
-    return result.solid or solid, result.closed_solid or solid, hulls
+    assert result.solid is not None  # noqa: S101 - only stored results lack it
+    return result.solid, result.closed_solid or result.solid, hulls
 
 
 def _inner(

@@ -11,7 +11,9 @@ import trimesh
 from manifold3d import Manifold
 
 import assetpipe
+from assetpipe import decompose
 from assetpipe.errors import CancelledError, MeshError, UsageError
+from assetpipe.geometry import Mesh, RepairPolicy, repair
 
 
 def box(lower, upper) -> Manifold:
@@ -280,3 +282,52 @@ def test_a_component_that_faces_inward_in_the_open_is_solid(at: float) -> None:
     assert result.solid.volume == pytest.approx(1.027 if at == 2.0 else 1 + 0.3**2 * 0.25)
     assert result.repair is not None
     assert result.repair.moved == 0.0
+
+
+def twice(mesh: trimesh.Trimesh) -> Mesh:
+    """Every face from both sides, corners of their own, as visual meshes have them."""
+    soup = mesh.vertices[np.vstack([mesh.faces, mesh.faces[:, ::-1]])]
+    return Mesh(soup.reshape(-1, 3), np.arange(soup.size // 3).reshape(-1, 3))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_faces_from_both_sides_are_a_body_in_whatever_order(seed: int) -> None:
+    order = np.random.default_rng(seed)
+    ball = twice(trimesh.creation.icosphere(2, 0.4).apply_translation([3.0, 0.0, 0.0]))
+    box = trimesh.creation.box()
+    vertices = np.vstack([box.vertices, ball.vertices])
+    faces = order.permutation(np.vstack([box.faces, ball.faces + len(box.vertices)]))
+    made = decompose(Mesh(vertices, faces), 0.01)
+    assert made.repair is not None
+    assert len(made.hulls) == 2
+    assert max(hull.vertices[:, 0].max() for hull in made.hulls) == pytest.approx(3.4)
+    assert len(decompose(Mesh(ball.vertices, order.permutation(ball.faces)), 0.01).hulls) == 1
+
+
+def test_what_repair_made_is_taken_as_it_is() -> None:
+    mesh = Mesh.of(trimesh.creation.box())
+    opened = Mesh(mesh.vertices, mesh.faces[1:])
+    repaired = repair(opened)
+    made = decompose(repaired, 0.01)
+    assert made.repair is repaired
+    assert made.solid is repaired.solid
+    with pytest.raises(MeshError, match="cannot be made a solid"):
+        decompose(repair(opened, policy=RepairPolicy(mode="off")), 0.01)
+
+
+def crossing(seed: int) -> Mesh:
+    """A prism over a star that runs through itself, faces in some order."""
+    angle = 2.0 * np.pi * 2.0 * np.arange(5) / 5.0
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(5)])
+    vertices = np.vstack([ring, ring + np.array([0, 0, 0.5]), [[0, 0, 0], [0, 0, 0.5]]])
+    faces = []
+    for i in range(5):
+        j = (i + 1) % 5
+        faces += [[i, j, j + 5], [i, j + 5, i + 5], [j, i, 10], [i + 5, j + 5, 11]]
+    return Mesh(vertices, np.random.default_rng(seed).permutation(np.array(faces)))
+
+
+def test_a_solid_that_runs_through_itself_is_known_in_whatever_order() -> None:
+    made = [decompose(crossing(seed), 0.02) for seed in range(4)]
+    assert all(one.repair is not None for one in made)
+    assert len({len(one.hulls) for one in made}) == 1
