@@ -94,8 +94,7 @@ class Lookup:
             return Resolution(uri, "missing", hint="the reference is empty")
         for scheme in _SCHEMES:
             if text.lower().startswith(scheme):
-                name, _, rest = text[len(scheme) :].lstrip("/").partition("/")
-                return self._in_package(uri, name, rest, scheme)
+                return self._of_scheme(uri, text[len(scheme) :], scheme)
         unexpanded = text.removeprefix("file://")
         if unexpanded.startswith("$(find "):
             name, closed, rest = unexpanded[len("$(find ") :].partition(")")
@@ -186,6 +185,16 @@ class Lookup:
         may lead anywhere."""
         inside = folder.resolve().is_relative_to(folder.parent.resolve())
         return inside or self._index.name_of(folder) is not None or self.allows(folder)
+
+    def _of_scheme(self, uri: str, text: str, scheme: str) -> Resolution:
+        name, _, rest = text.lstrip("/").partition("/")
+        if not text.startswith("/"):
+            return self._in_package(uri, name, rest, scheme)
+        # package:///a.stl names no package: exporters write it for what lies beside the file
+        named = self._in_package(uri, name, rest, scheme) if rest else None
+        if named is not None and named.state == "found":
+            return named
+        return self._relative(uri, text.lstrip("/"))
 
     def _in_package(self, uri: str, name: str, rest: str, scheme: str) -> Resolution:
         parts = PurePosixPath(rest)

@@ -137,8 +137,9 @@ def _encoded(text: bytes, markup: Markup, robot: Robot) -> bytes:
 def _replacement(
     markup: Markup, old: Element, elements: Sequence[NewCollision], taken: set[str]
 ) -> Edit:
-    indent = indentation(markup.text, old.start)
-    glue = b"" if indent is None else newline(markup.text, old.start) + indent
+    # PyBullet does not read lines of more than 8,190 bytes: each element gets one of its own
+    indent = indentation(markup.text, old.start) or b""
+    glue = newline(markup.text, old.start) + indent
     names = _fresh(old.attributes.get("name"), len(elements), taken)
     # without any element the white space around stays: it is not part of the old one
     copies = [_copy(markup, old, new, name) for new, name in zip(elements, names, strict=True)]
@@ -229,12 +230,11 @@ def _addition(markup: Markup, link: Element, elements: Sequence[NewCollision]) -
         before = list(link.children)
     if before:
         last = before[-1]
-        indent = indentation(text, last.start)
-        glue = b"" if indent is None else newline(text, last.start) + indent
+        glue = newline(text, last.start) + (indentation(text, last.start) or b"")
         return Edit(last.end, last.end, glue + glue.join(written))
-    indent = indentation(text, link.start)
-    outer = b"" if indent is None else newline(text, link.start) + indent
-    inner = outer + (b"" if indent is None else (b"\t" if b"\t" in indent else b"  "))
+    indent = indentation(text, link.start) or b""
+    outer = newline(text, link.start) + indent
+    inner = outer + (b"\t" if b"\t" in indent else b"  ")
     body = inner + inner.join(written)
     if link.inner_end is not None:
         # the white space before </link> stays where it is

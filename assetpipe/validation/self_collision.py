@@ -14,7 +14,7 @@ from typing import Any
 import numpy.typing as npt
 
 from assetpipe.errors import UsageError
-from assetpipe.findings import Finding, Severity
+from assetpipe.findings import NEGLIGIBLE, Finding, Severity
 from assetpipe.validation.contact.pairs import LinkBody, Pair, PairQueries
 
 
@@ -110,10 +110,11 @@ class SelfCollisions:
         for change in self.new:
             a, b = change.pair
             beyond = change.gap > change.allowed + 1e-7
+            worth = Severity.WARNING if change.gap > NEGLIGIBLE * change.allowed else Severity.NOTE
             found.append(
                 Finding(
                     "AP401" if beyond else "AP402",
-                    Severity.ERROR if beyond else Severity.WARNING,
+                    Severity.ERROR if beyond else worth,
                     f"'{a}' and '{b}' touch in {change.configurations} of "
                     f"{self.configurations} configurations in which the originals are up to "
                     f"{change.gap * 1000:.3g} mm apart (allowed {change.allowed * 1000:.3g} mm)",

@@ -45,15 +45,11 @@ def read(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
             f"root element is <{local(root)}>, not <COLLADA>",
             location=Location(path, cast("int | None", root.sourceline)),
         )
-    ids: dict[str, Element] = {}
-    for element in root.iter():
-        name = element.get("id")
-        if name is not None:
-            ids.setdefault(name, element)
-    document = Document(path, limits, ids)
+    document = Document.of(root, path, limits)
     scene = _Scene(document)
     for node, matrix in _roots(document, root, scene.notes):
         scene.add(node, matrix)
+    scene.notes += document.notes
     whole = joined(scene.parts)
     metres, axis, habit = _asset(document, root)
     return RawMesh(

@@ -34,21 +34,39 @@ def child(element: Element, name: str) -> Element | None:
     return next(iter(children(element, name)), None)
 
 
+Ids = dict[tuple[str, str], "Element"]
+"""Elements by tag and id."""
+
+
 @dataclass(frozen=True)
 class Document:
     """A COLLADA document and its ids.
 
+    Ids should be unique in a document. In files merged from several they are not: each
+    geometry then means its own sources, and of the rest the first one is taken.
+
     Attributes:
         file: for messages.
         limits: how much is read.
-        ids: elements by id; the first one wins.
+        ids: of the whole document; the first one wins.
+        repeated: tags and ids that stand more than once.
         read: numbers of ``<float_array>`` read so far; any number of sources may share one.
+        notes: what was guessed.
     """
 
     file: Path
     limits: FileLimits
-    ids: dict[str, Element]
+    ids: Ids
+    repeated: frozenset[tuple[str, str]] = frozenset()
     read: dict[Element, FloatArray] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    _own: dict[Element, Ids] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, root: Element, file: Path, limits: FileLimits) -> Document:
+        """The document with this root element."""
+        ids, repeated = _ids(root)
+        return cls(file, limits, ids, repeated)
 
     def at(self, element: Element) -> Location:
         """Where an element stands."""
@@ -67,13 +85,20 @@ class Document:
                 "file are followed",
                 location=self.at(element),
             )
-        found = self.ids.get(value[1:])
-        if found is None or local(found) != kind:
+        name = (kind, value[1:])
+        if name in self.repeated:
+            around = next(element.iterancestors("{*}geometry"), None)
+            if around is not None and around not in self._own:
+                self._own[around] = _ids(around)[0]
+            if around is not None and name in self._own[around]:
+                return self._own[around][name]
+            self.notes.append(f"several <{kind}> are called '{value[1:81]}': the first was taken")
+        if name not in self.ids:
             raise InputError(
                 f"<{local(element)}> refers to <{kind}> '{value[1:81]}', which does not exist",
                 location=self.at(element),
             )
-        return found
+        return self.ids[name]
 
     def numbers(self, array: Element) -> FloatArray:
         """What a ``<float_array>`` holds.
@@ -98,6 +123,17 @@ class Document:
         if len(values) != 1 or values[0] < 0:
             raise InputError(f"{attribute}='{text[:40]}'", location=self.at(element))
         return int(values[0])
+
+
+def _ids(root: Element) -> tuple[Ids, frozenset[tuple[str, str]]]:
+    """Elements below one by tag and id, and which of these stand more than once."""
+    ids: Ids = {}
+    repeated = set()
+    for element in root.iter():
+        name = element.get("id")
+        if name is not None and ids.setdefault((local(element), name), element) is not element:
+            repeated.add((local(element), name))
+    return ids, frozenset(repeated)
 
 
 def surface(document: Document, geometry: Element) -> tuple[Part, tuple[str, ...]]:

@@ -60,6 +60,10 @@ def _read_binary(data: bytes, path: Path, limits: FileLimits) -> RawMesh:
     count = _count(data)
     held = (len(data) - _HEADER) // _RECORD.itemsize
     if held < count:
+        if data.lstrip()[:1] == b"<":
+            raise InputError(
+                "not an STL: the file begins as a web page or XML does", location=Location(path)
+            )
         raise InputError(
             f"truncated binary STL: the header promises {count:,} triangles, "
             f"the file holds {held:,}",

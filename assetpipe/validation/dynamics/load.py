@@ -28,6 +28,8 @@ from assetpipe.validation.statistics import Distribution, Rate
 LoadOutcome = Literal["loaded", "refused", "crashed", "timed out", "not available"]
 ROUNDING = 1e-4
 """Metres by which an engine's distance may differ beside its collision margin."""
+_LINE = 8190
+"""Bytes of a line that PyBullet reads; longer ones it cuts, and then finds no robot."""
 
 
 @dataclass(frozen=True)
@@ -304,6 +306,11 @@ def rewrite(
         edit = target and value_edit(markup.text, mesh, "filename", os.path.realpath(target))
         if edit:
             edits.append(edit)
+    if max(map(len, markup.text.splitlines()), default=0) <= _LINE:
+        # Our paths are longer than the file's own, and no fault of its lines.
+        inner = (e for e in markup.root.walk() if e.start > markup.root.start)
+        breaks = [e for e in inner if not any(r.start <= e.start < r.end for r in removed)]
+        edits += [Edit(e.start, e.start, b"\n") for e in breaks]
     # Text around the root is left out: other parsers fail on what stands there.
     start, end = markup.root.start, markup.root.end
     copy.write_bytes(

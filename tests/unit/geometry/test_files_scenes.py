@@ -135,6 +135,37 @@ def unit(vector: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.filterwarnings("ignore:the matrix subclass")
+def two_geometries(second: str) -> str:
+    """A document merged from two: each geometry has the same ids in it."""
+    one = TRIANGLE.format(primitive=FACE)
+    other = one.replace('id="g"', f'id="{second}"').replace(
+        "0 0 0 1 0 0 0 2 0", "5 0 0 7 0 0 5 3 0"
+    )
+    nodes = "".join(f'<node><instance_geometry url="#{g}"/></node>' for g in ("g", second))
+    text = dae(nodes=nodes)
+    return text.replace(one, one + other)
+
+
+def test_each_geometry_means_its_own_sources_where_ids_repeat(tmp_path: Path) -> None:
+    ours = load(tmp_path, two_geometries("h")).vertices
+    assert ours[:, 0].tolist() == [0, 1, 0, 5, 7, 5]
+    theirs = collada.Collada(str(tmp_path / "a.dae")).scene.objects("geometry")
+    points = np.vstack([p.vertex for g in theirs for p in g.primitives()])
+    np.testing.assert_array_equal(ours, points)
+
+
+def test_a_geometry_that_is_named_like_another_is_told(tmp_path: Path) -> None:
+    load(tmp_path, two_geometries("g"))
+    notes = read_mesh(tmp_path / "a.dae").notes
+    assert any("several <geometry> are called 'g'" in note for note in notes)
+
+
+def test_the_same_id_on_elements_of_two_kinds_is_no_matter(tmp_path: Path) -> None:
+    text = dae(nodes='<node id="g"><instance_geometry url="#g"/></node>')
+    nodes_first = text.replace("<library_geometries>", "<extra id='g'/><library_geometries>")
+    assert len(load(tmp_path, nodes_first).faces) == 1
+
+
 def test_dae_agrees_with_pycollada(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     document = collada.Collada()

@@ -48,6 +48,8 @@ def resolve(package: Path, uri: str, resolver: Resolver | None = None) -> Resolu
         ("package://arm_folder/meshes/a.stl", "meshes/a.stl", "folder name"),
         ("package://meshes/a.stl", "meshes/a.stl", "folder name"),
         ("package://unknown/meshes/a.stl", "meshes/a.stl", "walk up"),
+        ("package:///arm/meshes/a.stl", "meshes/a.stl", "package.xml"),
+        ("package:///local.stl", "urdf/local.stl", "relative"),
         ("../meshes/a.stl", "meshes/a.stl", "relative"),
         ("..\\meshes\\a.stl", "meshes/a.stl", "relative"),
         (" ./local.stl ", "urdf/local.stl", "relative"),

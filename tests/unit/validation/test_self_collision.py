@@ -3,10 +3,17 @@ import pytest
 import trimesh
 
 from assetpipe.errors import UsageError
+from assetpipe.findings import Severity
 from assetpipe.geometry.mesh import Mesh
 from assetpipe.validation.contact.pairs import PairQueries
 from assetpipe.validation.contact.probes import random_rotations
-from assetpipe.validation.self_collision import LinkBody, adjacent_pairs, self_collisions
+from assetpipe.validation.self_collision import (
+    LinkBody,
+    PairChange,
+    SelfCollisions,
+    adjacent_pairs,
+    self_collisions,
+)
 
 
 def at(x, y=0.0, z=0.0):
@@ -34,6 +41,13 @@ def test_a_hull_over_a_ring_makes_a_new_pair_with_its_gap():
     assert [c.pair for c in result.new] == [("ball", "ring")]
     assert result.new[0].gap == pytest.approx(0.7, abs=0.01)
     assert [f.code for f in result.findings()] == ["AP402"]
+
+
+@pytest.mark.parametrize(("gap", "severity"), [(0.004, Severity.NOTE), (0.006, Severity.WARNING)])
+def test_a_hair_of_what_is_allowed_is_a_note(gap, severity):
+    change = PairChange(("a", "b"), configurations=1, first=0, gap=gap, allowed=0.5)
+    told = SelfCollisions(1000, 1, (), (), (), (), (), (change,), ()).findings()
+    assert [f.severity for f in told] == [severity]
 
 
 def test_a_new_pair_farther_apart_than_proved_is_our_fault():
