@@ -143,9 +143,11 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     if policy.mode != "strict":
         work = unfolded(work, job)
     work = disentangled(work, job)
-    if any(finding.severity is Severity.ERROR for finding in work.findings):
-        return Repaired(None, work.steps, findings=work.findings, notes=work.notes)
-    return _finished(work, job)
+    if work.patches and job.thickness == 0.0:
+        return _refused(
+            "it runs through itself, and a budget of 0 leaves sheets no thickness", work
+        )
+    return _finished(thickened(work, job), job)
 
 
 def _completed(work: Work, job: Job) -> Work:

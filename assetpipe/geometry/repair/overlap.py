@@ -32,7 +32,7 @@ from assetpipe.geometry.repair.unite import (
 )
 from assetpipe.geometry.repair.winding import CELL, solid_of_soup
 from assetpipe.geometry.repair.wording import counted
-from assetpipe.geometry.repair.work import Job, Work, stacked
+from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
 
 if TYPE_CHECKING:
     from assetpipe import _core
@@ -46,7 +46,7 @@ _HOPELESS = 0.7
 _ON_PLANE = 1e-9
 _MANY = 20_000
 _INVERTED = 0.01
-"""Share of the surface that may be lost, because it encloses inside-out."""
+"""Share of a shell that may be lost, because it encloses inside-out."""
 TANGLED = 5e-3
 """Share of the area that may lie inside the shell itself."""
 
@@ -56,7 +56,8 @@ def disentangled(work: Work, job: Job) -> Work:
     clock = process_time()
     shells: list[Shell] = []
     done, left = 0, 0
-    change, area, tangled, gone = 0.0, 0.0, 0.0, 0.0
+    change, area, tangled = 0.0, 0.0, 0.0
+    hollow: list[Patch] = []
     fresh, lost = [work.fresh], [work.lost]
     for shell in work.shells:
         job.deadline.check()
@@ -71,21 +72,25 @@ def disentangled(work: Work, job: Job) -> Work:
         if parts is None or _strays(parts, outward, job):
             parts = _wrapped(outward, job) if shares[0] > TANGLED else None
         if parts is None:
+            if _lost(outward, job.budget) > _INVERTED:
+                hollow.append(Patch(shell.vertices, shell.faces))
+                continue
             shells.append(shell)
             left += 1
             area, tangled = area + _area(shell), tangled + sum(shares) * _area(shell)
-            gone += _area(shell) * _lost(outward, job.budget)
             continue
         fresh += [part.vertices[part.faces] for part in parts]
         done += 1
         change += added(part.volume for part in parts) - outward.volume
         shells += parts if shell.volume > 0.0 else [part.reversed() for part in parts]
-    if not done and not left:
+    if not done and not left and not hollow:
         return work
-    work = work.after(fresh=stacked(*fresh), lost=stacked(*lost))
+    work = work.after(fresh=stacked(*fresh), lost=stacked(*lost), shells=tuple(shells))
     if left:
-        gone /= sum(_area(shell) for shell in work.shells)
-        work = work.after(findings=(_tangled(left, tangled / area, gone),))
+        where = f"{_overlapping(left)} along {tangled / area:.1%} of the area"
+        work = work.after(findings=(Finding("AP209", Severity.WARNING, where),))
+    if hollow:
+        work = work.after(findings=(_inverted(len(hollow)),), patches=(*work.patches, *hollow))
     if not done:
         return work
     step = Step(
@@ -94,7 +99,7 @@ def disentangled(work: Work, job: Job) -> Work:
         volume_change=change * job.frame.scale**3,
         seconds=process_time() - clock,
     )
-    return work.after(step, shells=tuple(shells))
+    return work.after(step)
 
 
 def _wrapped(shell: Shell, job: Job) -> list[Shell] | None:
@@ -155,14 +160,16 @@ def _lost(shell: Shell, budget: float) -> float:
     return float(np.count_nonzero(away > budget)) / len(points)
 
 
-def _tangled(pieces: int, share: float, gone: float) -> Finding:
-    number = "1 piece overlaps itself" if pieces == 1 else f"{pieces} pieces overlap themselves"
-    if gone <= _INVERTED:
-        return Finding("AP209", Severity.WARNING, f"{number} along {share:.1%} of the area")
+def _overlapping(pieces: int) -> str:
+    return "1 piece overlaps itself" if pieces == 1 else f"{pieces} pieces overlap themselves"
+
+
+def _inverted(pieces: int) -> Finding:
     return Finding(
         "AP209",
-        Severity.ERROR,
-        f"{number}; {gone:.1%} of the surface encloses inside-out and would be lost",
+        Severity.WARNING,
+        f"{_overlapping(pieces)} and partly inside-out, so that nobody knows what is inside: "
+        "the surface was given a thickness",
         hint="mend the mesh: it runs through itself",
     )
 

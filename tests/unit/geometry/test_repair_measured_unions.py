@@ -133,13 +133,13 @@ def crossed(outline):
     return Mesh(np.vstack([flat, flat + np.array([0.0, 0.0, 1.0])]), np.array(faces))
 
 
-def test_what_encloses_inside_out_is_refused_where_it_would_be_lost():
+def test_what_encloses_inside_out_gets_a_thickness_where_it_would_be_lost():
     # A bow tie: one of its halves is inside-out.
-    result = repair(crossed([(0, 0), (2, 2), (2, 0), (0, 1)]))
-    assert result.solid is None
-    told = result.findings[-1]
-    assert told.code == "AP209"
-    assert "would be lost" in told.message
+    mesh = crossed([(0, 0), (2, 2), (2, 0), (0, 1)])
+    result = repair(mesh)
+    assert any(f.code == "AP209" and "inside-out" in f.message for f in result.findings)
+    assert result.deviation.removed_p99 <= 0.01 * mesh.diagonal
+    holds(mesh, result)
 
 
 def test_a_body_turned_through_itself_keeps_both_its_ends():
