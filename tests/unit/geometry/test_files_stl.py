@@ -130,3 +130,10 @@ def test_missing_file_and_folder(tmp_path: Path) -> None:
         read_mesh(tmp_path / "none.stl")
     with pytest.raises(InputError, match="cannot be read"):
         read_mesh(tmp_path)
+
+
+def test_a_web_page_is_called_one(tmp_path: Path) -> None:
+    page = tmp_path / "a.stl"
+    page.write_bytes(b"\n<!DOCTYPE html><html><body>" + b"not found " * 40 + b"</body></html>")
+    with pytest.raises(InputError, match="web page"):
+        read_mesh(page)

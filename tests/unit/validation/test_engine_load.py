@@ -214,3 +214,19 @@ def test_a_circle_of_links_does_not_end_the_check(engine, tmp_path):
     urdf.write_text(text, encoding="utf-8")
     seen = load_in_engine(urdf, EXPECTED, resolved={"none": tmp_path}, engine=engine)
     assert seen.outcome == "refused"
+
+
+def test_lines_of_the_copy_are_no_longer_than_an_engine_reads(tmp_path):
+    deep = tmp_path / ("a" * 200)
+    deep.mkdir()
+    mesh = '<collision><geometry><mesh filename="m.obj"/></geometry></collision>'
+    urdf, copy = tmp_path / "a.urdf", tmp_path / "b.urdf"
+    urdf.write_text(f'<robot name="r"><link name="l">{mesh * 100}</link></robot>')
+    load_module.rewrite(urdf, copy, {"m.obj": deep / "m.obj"}, "kept")
+    written = copy.read_text()
+    assert written.count(str(deep)) == 100
+    assert max(map(len, written.splitlines())) <= 8190
+    # A file that has longer lines of its own keeps them, for the engine to say so.
+    urdf.write_text(f'<robot name="r"><link name="l">{mesh * 200}</link></robot>')
+    load_module.rewrite(urdf, copy, {}, "kept")
+    assert len(copy.read_text().splitlines()) == 1
