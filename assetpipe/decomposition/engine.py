@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 
     from assetpipe.geometry import Repaired
 
-Source = "Mesh | trimesh.Trimesh | tuple[Any, Any]"
+    Source = Mesh | Repaired | trimesh.Trimesh | tuple[Any, Any]
+
 _THIN = 1e-9
 """Share of the cube of the diagonal below which a volume may be rounding."""
 OnProgress = Callable[[float], object]
@@ -49,7 +50,7 @@ _POLICY: dict[Metric, dict[str, str]] = {
 
 
 def decompose(
-    mesh: Mesh | Repaired | trimesh.Trimesh | tuple[Any, Any],
+    mesh: Source,
     tolerance: Tolerance | float | str,
     *,
     metric: Metric = "thickening",
@@ -212,9 +213,7 @@ def _check(metric: str, effort: str, cavities: str) -> None:
             raise UsageError(unknown_name(kind, name, known))
 
 
-def as_solid(
-    mesh: Mesh | Repaired | trimesh.Trimesh | tuple[Any, Any], cavities: Cavities
-) -> tuple[Mesh, Repaired | None]:
+def as_solid(mesh: Source, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
     """The mesh itself if it is a closed solid without folds, otherwise repaired.
 
     What repair has made already is not repaired again.

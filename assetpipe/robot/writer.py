@@ -138,8 +138,7 @@ def _replacement(
     markup: Markup, old: Element, elements: Sequence[NewCollision], taken: set[str]
 ) -> Edit:
     # PyBullet does not read lines of more than 8,190 bytes: each element gets one of its own
-    indent = indentation(markup.text, old.start) or b""
-    glue = newline(markup.text, old.start) + indent
+    glue = _line_break(markup.text, old.start)
     names = _fresh(old.attributes.get("name"), len(elements), taken)
     # without any element the white space around stays: it is not part of the old one
     copies = [_copy(markup, old, new, name) for new, name in zip(elements, names, strict=True)]
@@ -215,6 +214,11 @@ def _origin_edit(
     return Edit(geometry.start, geometry.start, written + glue)
 
 
+def _line_break(text: bytes, at: int) -> bytes:
+    """The end of a line, and the indentation of the element at an offset."""
+    return newline(text, at) + (indentation(text, at) or b"")
+
+
 def _addition(markup: Markup, link: Element, elements: Sequence[NewCollision]) -> Edit:
     text = markup.text
     written = []
@@ -230,11 +234,10 @@ def _addition(markup: Markup, link: Element, elements: Sequence[NewCollision]) -
         before = list(link.children)
     if before:
         last = before[-1]
-        glue = newline(text, last.start) + (indentation(text, last.start) or b"")
+        glue = _line_break(text, last.start)
         return Edit(last.end, last.end, glue + glue.join(written))
-    indent = indentation(text, link.start) or b""
-    outer = newline(text, link.start) + indent
-    inner = outer + (b"\t" if b"\t" in indent else b"  ")
+    outer = _line_break(text, link.start)
+    inner = outer + (b"\t" if b"\t" in outer else b"  ")
     body = inner + inner.join(written)
     if link.inner_end is not None:
         # the white space before </link> stays where it is

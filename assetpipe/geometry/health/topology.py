@@ -95,6 +95,11 @@ class Edges:
         """Edges with two faces of consistent winding."""
         return np.flatnonzero((self.count == 2) & (self.balance == 0))
 
+    def apex(self, half: IntArray) -> IntArray:
+        """The corner of each half-edge's face that is not on it."""
+        result: IntArray = self.faces.ravel()[np.where(half % 3 == 0, half + 2, half - 1)]
+        return result
+
     def pair(self, edges: IntArray) -> tuple[IntArray, IntArray]:
         """The two half-edges of each of ``edges``, which must have exactly two."""
         at = self.first[edges]
@@ -211,6 +216,13 @@ def face_areas(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, Float
     normals = np.cross(b - a, c - a)
     areas: FloatArray = np.linalg.norm(normals, axis=1) / 2.0
     return areas, normals
+
+
+def unit_normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """(m, 3) unit normals; almost zero for faces without area."""
+    areas, normals = face_areas(vertices, faces)
+    result: FloatArray = normals / np.maximum(2.0 * areas, np.finfo(float).tiny)[:, None]
+    return result
 
 
 def groups(label: IntArray, number: int) -> list[IntArray]:

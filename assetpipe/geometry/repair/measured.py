@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
-from assetpipe.geometry.health.topology import face_areas
+from assetpipe.geometry.health.topology import BoolArray, unit_normals
 from assetpipe.geometry.health.weld import degenerate
 from assetpipe.geometry.mesh import Mesh
 from assetpipe.geometry.repair.deadline import Deadline
@@ -51,36 +49,29 @@ def _left_out(solid: Surface, corners: Corners, deadline: Deadline) -> float:
 
     Those that its surface divides are quartered, so that fewer parts of them are divided.
     """
+
+    def bound(parts: Corners, resolution: float, undivided: BoolArray | None = None) -> float:
+        return farthest(
+            solid, parts, side="solid", resolution=resolution, whole=undivided, deadline=deadline
+        )
+
     result = 0.0
     for _ in range(_QUARTERINGS):
         if not len(corners):
             return result
         deadline.check()
         undivided = whole(corners, solid.vertices, solid.faces)
-        sharp = _bound(solid, corners[undivided], _SHARP, deadline)
+        sharp = bound(corners[undivided], _SHARP, undivided[undivided])
         result = max(result, sharp)
         corners = corners[~undivided]
         if len(corners) > _FEW:
             break
         corners = quarters(corners)
-    rest = _bound(solid, corners, RESOLUTION, deadline, "unknown")
+    rest = bound(corners, RESOLUTION)
     if result < rest and len(corners) <= 4 * _FEW:
         # The finer resolution can run out of triangles: then the other one is better.
-        rest = min(rest, _bound(solid, corners, _FINE, deadline, "unknown"))
+        rest = min(rest, bound(corners, _FINE))
     return max(result, rest)
-
-
-def _bound(
-    solid: Surface,
-    corners: Corners,
-    resolution: float,
-    deadline: Deadline,
-    division: Literal["none", "unknown"] = "none",
-) -> float:
-    undivided = np.full(len(corners), division == "none")
-    return farthest(
-        solid, corners, side="solid", resolution=resolution, whole=undivided, deadline=deadline
-    )
 
 
 def measured(work: Work, job: Job, solid: Mesh) -> Deviation:
@@ -141,7 +132,6 @@ def strays(deviation: Deviation, job: Job, solid: Mesh) -> bool:
     after = Surface(job.frame.inward(solid.vertices), solid.faces)
     points = points[after.outside(points) > job.budget]
     face = job.surface.closest(points)[1]
-    areas, normals = face_areas(job.surface.vertices, job.surface.faces)
-    aside = _ASIDE * normals[face] / np.maximum(2.0 * areas[face], np.finfo(float).tiny)[:, None]
+    aside = _ASIDE * unit_normals(job.surface.vertices, job.surface.faces)[face]
     jump = job.surface.exact_winding(points + aside) - job.surface.exact_winding(points - aside)
     return int(np.count_nonzero(np.abs(jump) > 0.5)) > _POINTS / 100.0

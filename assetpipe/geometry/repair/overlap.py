@@ -8,12 +8,12 @@ different components, then put together.
 from __future__ import annotations
 
 from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from assetpipe.findings import Finding, Severity
-from assetpipe.geometry.health.topology import face_areas
+from assetpipe.geometry.health.topology import face_areas, unit_normals
 from assetpipe.geometry.mesh import FloatArray, IntArray, Mesh
 from assetpipe.geometry.products import added, products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
@@ -33,9 +33,6 @@ from assetpipe.geometry.repair.unite import (
 from assetpipe.geometry.repair.winding import CELL, solid_of_soup
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Patch, Work, stacked
-
-if TYPE_CHECKING:
-    from assetpipe import _core
 
 _POINTS = 256
 _ASIDE = 7.7e-6
@@ -147,13 +144,9 @@ def _lost(shell: Shell, budget: float) -> float:
     from scipy.spatial import cKDTree
 
     points = sample(shell.vertices, shell.faces, _MANY)
-    face = Surface(shell.vertices, shell.faces).closest(points)[1]
-    areas, normals = face_areas(shell.vertices, shell.faces)
-    unit = normals[face] / np.maximum(2.0 * areas[face], np.finfo(float).tiny)[:, None]
-    solid = _core_solid(shell.vertices, shell.faces)
-    bounds = np.zeros(len(points), dtype=bool)
-    for way in (-1.0, 1.0):
-        bounds |= solid.winding(points + way * _ASIDE * unit) > 0
+    surface = Surface(shell.vertices, shell.faces)
+    aside = _ASIDE * unit_normals(shell.vertices, shell.faces)[surface.closest(points)[1]]
+    bounds = (surface.turns(points - aside) > 0) | (surface.turns(points + aside) > 0)
     if not bounds.any():
         return 1.0
     away = cKDTree(points[bounds]).query(points[~bounds])[0]
@@ -174,12 +167,6 @@ def _inverted(pieces: int) -> Finding:
     )
 
 
-def _core_solid(vertices: FloatArray, faces: IntArray) -> _core.Solid:
-    from assetpipe import _core
-
-    return _core.Solid(np.ascontiguousarray(vertices), np.ascontiguousarray(faces))
-
-
 def overlap(shell: Shell) -> float:
     """Share of a shell's area next to which it encloses twice or inside-out (fixed sample)."""
     return sum(overlaps(shell))
@@ -194,16 +181,15 @@ def overlaps(shell: Shell) -> tuple[float, float]:
     or less than zero above, are.
     """
     faces = shell.faces[_order(shell.vertices, shell.faces)]
-    areas, normals = face_areas(shell.vertices, faces)
+    areas = face_areas(shell.vertices, faces)[0]
     total = areas.cumsum()
     places = (np.arange(_POINTS) + 0.5) / _POINTS * total[-1]
     face = np.minimum(np.searchsorted(total, places), len(areas) - 1)
-    unit = normals[face] / np.maximum(2.0 * areas[face], np.finfo(float).tiny)[:, None]
     centres = shell.vertices[faces[face]].mean(axis=1)
     sense = 1 if shell.volume >= 0.0 else -1
-    aside = sense * _ASIDE * unit
-    solid = _core_solid(shell.vertices, faces)
-    below, above = (sense * solid.winding(centres + way * aside) for way in (-1.0, 1.0))
+    aside = sense * _ASIDE * unit_normals(shell.vertices, faces)[face]
+    surface = Surface(shell.vertices, faces)
+    below, above = (sense * surface.turns(centres + way * aside) for way in (-1.0, 1.0))
     inverted = above < 0
     return float(np.mean(inverted)), float(np.mean((below > 1) & ~inverted))
 
@@ -230,12 +216,11 @@ def components_disagree(mesh: Mesh, label: IntArray) -> bool:
         faces, label = mesh.faces[order], label[order]
         a, b, c = (units[faces[:, k]] for k in range(3))
         inward = np.bincount(label, products(a, np.cross(b, c)), number) < 0.0
-        areas, normals = face_areas(units, faces)
-        order = np.lexsort((-areas, label))
+        order = np.lexsort((-face_areas(units, faces)[0], label))
         largest = order[np.searchsorted(label[order], np.flatnonzero(inward))]
-        unit = normals[largest] / np.maximum(2.0 * areas[largest], np.finfo(float).tiny)[:, None]
-        within = units[faces[largest]].mean(axis=1) + _ASIDE * unit
-        if (_core_solid(units, faces).winding(within) < 0).any():
+        aside = _ASIDE * unit_normals(units, faces)[largest]
+        within = units[faces[largest]].mean(axis=1) + aside
+        if (Surface(units, faces).turns(within) < 0).any():
             return True
     return overlap(Shell.of(units, mesh.faces)) > TANGLED
 

@@ -44,8 +44,7 @@ def by_angle(vertices: FloatArray, edges: Edges, chosen: IntArray) -> tuple[IntA
     u = np.cross(axis, helper)
     u /= np.maximum(np.linalg.norm(u, axis=1), np.finfo(float).tiny)[:, None]
     v = np.cross(axis, u)
-    apex = edges.faces.ravel()[np.where(half % 3 == 0, half + 2, half - 1)]
-    arm = vertices[apex] - vertices[low][owner]
+    arm = vertices[edges.apex(half)] - vertices[low][owner]
     angle = np.arctan2((arm * v[owner]).sum(axis=1), (arm * u[owner]).sum(axis=1))
     # At equal angles an opening face comes first: material of no thickness between them.
     order = np.lexsort((half, edges.forward[half], angle, owner))

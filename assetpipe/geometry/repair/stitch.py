@@ -94,8 +94,7 @@ def insert_junctions(vertices: FloatArray, faces: IntArray, tolerance: float) ->
         return Stitched(vertices, faces)
     edge, vertex, share, distance = found
     # No vertex may come into a face that has it already.
-    third = faces.ravel()[np.where(half % 3 == 0, half + 2, half - 1)]
-    keep = vertex != third[edge]
+    keep = vertex != edges.apex(half)[edge]
     edge, vertex, share, distance = edge[keep], vertex[keep], share[keep], distance[keep]
     if not len(edge):
         return Stitched(vertices, faces)

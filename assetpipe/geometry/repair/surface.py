@@ -78,12 +78,20 @@ class Surface:
 
     def contains(self, points: FloatArray) -> npt.NDArray[np.bool_]:
         """(n,) whether points belong to what a closed surface encloses; exact."""
+        result: npt.NDArray[np.bool_] = self._closed().contains(np.ascontiguousarray(points))
+        return result
+
+    def turns(self, points: FloatArray) -> IntArray:
+        """(n,) how often a closed surface goes around each point, once for its own; exact."""
+        result: IntArray = self._closed().winding(np.ascontiguousarray(points))
+        return result
+
+    def _closed(self) -> Any:
         from assetpipe import _core
 
         if self._solid is None:
             self._solid = _core.Solid(self.vertices, self.faces)
-        result: npt.NDArray[np.bool_] = self._solid.contains(np.ascontiguousarray(points))
-        return result
+        return self._solid
 
     def outside(self, points: FloatArray) -> FloatArray:
         """(n,) distance to the solid: zero for points inside by more than :data:`NEAR`."""

@@ -160,7 +160,6 @@ class United:
         gone: triangles of shells that a union has not, corner for corner.
         put: those that it has instead.
         taken: vertices and faces of the shells that went into a union.
-        turned: triangles of the shells that were inside-out.
     """
 
     vertices: FloatArray
@@ -173,7 +172,6 @@ class United:
     gone: Corners = field(default_factory=no_corners)
     put: Corners = field(default_factory=no_corners)
     taken: tuple[FloatArray, IntArray] = field(default_factory=nothing)
-    turned: Corners = field(default_factory=no_corners)
 
 
 def unite(
@@ -185,16 +183,6 @@ def unite(
         ``None`` if manifold3d refuses a shell.
     """
     nested = nest(list(shells), deadline)
-    turned = np.concatenate(
-        [
-            no_corners(),
-            *(
-                shell.vertices[shell.faces]
-                for shell, above in zip(shells, nested.parent, strict=True)
-                if above < 0 and shell.volume < 0.0
-            ),
-        ]
-    )
     shells, parent = nested.shells, nested.parent
     every = range(len(shells))
     hollow = [parent[i] >= 0 and shells[i].volume < 0.0 for i in every]
@@ -232,7 +220,6 @@ def unite(
         gone=taken[0][taken[1][gone]],
         put=vertices[faces[put]],
         taken=taken,
-        turned=turned,
     )
 
 

@@ -87,9 +87,11 @@ def _convex(vertices: FloatArray, faces: IntArray) -> IntArray:
     first, second = edges.pair(edges.regular)
     _, normals = face_areas(vertices, faces)
     size = np.maximum(np.sqrt(products(normals, normals)), np.finfo(float).tiny)
-    apex = faces.ravel()[np.where(second % 3 == 0, second + 2, second - 1)]
     face = first // 3
-    height = products(vertices[apex] - vertices[faces[face, 0]], normals[face]) / size[face]
+    height = (
+        products(vertices[edges.apex(second)] - vertices[faces[face, 0]], normals[face])
+        / size[face]
+    )
     chosen = edges.regular[height < -_FLAT]
     found: IntArray = edges.ends[np.concatenate([chosen, edges.nonmanifold])]
     return found

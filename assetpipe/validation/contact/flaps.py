@@ -36,10 +36,13 @@ def beside_solid(surface: Surface, points: FloatArray, within: FloatArray) -> np
         (k,) mask; ``False`` is proved by samples, ``True`` may also mean not asked.
     """
     result = np.ones(len(points), dtype=bool)
+    corners = surface.vertices[surface.faces]
+    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    low, high = corners.min(axis=1) - _ON * size, corners.max(axis=1) + _ON * size
     for start in range(0, len(points), _AT_ONCE):
         chosen = slice(start, start + _AT_ONCE)
         asked = [
-            _beside(surface, point, reach)
+            _beside(corners[((low <= point) & (high >= point)).all(axis=1)], point, reach, size)
             for point, reach in zip(points[chosen], within[chosen], strict=True)
         ]
         numbers = surface.exact_winding(np.vstack(asked))
@@ -50,12 +53,8 @@ def beside_solid(surface: Surface, points: FloatArray, within: FloatArray) -> np
     return result
 
 
-def _beside(surface: Surface, point: FloatArray, within: float) -> FloatArray:
-    """(l, 3) places near a point, on both sides of the faces that it lies on."""
-    corners = surface.vertices[surface.faces]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-    near = corners[((low <= point + _ON * size) & (high >= point - _ON * size)).all(axis=1)]
+def _beside(near: FloatArray, point: FloatArray, within: float, size: float) -> FloatArray:
+    """(l, 3) places near a point, on both sides of those faces, (k, 3, 3), that it lies on."""
     cross = np.cross(near[:, 1] - near[:, 0], near[:, 2] - near[:, 0])
     length = np.linalg.norm(cross, axis=1)
     near, unit = near[length > 0.0], cross[length > 0.0] / length[length > 0.0, None]

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use crate::error::DecomposeError;
 use crate::folds::is_fold;
+use crate::merge::bounds;
 use crate::part::Union;
 
 /// A half-edge: (smaller, larger vertex, triangle, runs from smaller to larger).
@@ -85,7 +86,8 @@ pub struct Connections {
 /// How the triangles of a mesh are connected.
 pub fn connections(mesh: &Mesh) -> Connections {
     let mut sets = Union::new(mesh.triangles.len());
-    let unit = extent(mesh);
+    let (low, high) = bounds(mesh);
+    let unit = (high - low).length();
     let (mut closed, mut edges, mut folds) = (true, 0, 0);
     for edge in by_edge(&half_edges(mesh)) {
         edges += 1;
@@ -113,14 +115,6 @@ pub fn connections(mesh: &Mesh) -> Connections {
         component,
         folds,
     }
-}
-
-/// The diagonal of a mesh's bounding box.
-fn extent(mesh: &Mesh) -> f64 {
-    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let all = mesh.vertices.iter();
-    let (low, high) = all.fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
-    (high - low).length()
 }
 
 /// The corner of a half-edge's triangle that is not on it.
