@@ -15,10 +15,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
-import multiprocessing
 import os
-import resource
-import signal
 import sys
 import time
 from collections import Counter
@@ -27,13 +24,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from in_process import Died, limited
 
 from assetpipe.errors import AssetpipeError
 from assetpipe.geometry import read_mesh, repair
 from assetpipe.pipeline.identity import digest_file
 from assetpipe.robot import MeshShape, read_robot
 
-_PATIENCE = 20
 _LIBRARIES = ("igl", "manifold3d", "scipy.spatial")
 _NO_END = "did not end"
 
@@ -101,34 +98,12 @@ def one(source: Source) -> dict[str, Any]:
     }
 
 
-def _worker(pipe: Any, source: Source, seconds: int, memory: int) -> None:
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
-    try:
-        pipe.send(one(source))
-    except MemoryError:
-        pipe.send({"state": "memory", "why": "out of memory"})
-
-
-def limited(source: Source, seconds: float, memory: int) -> dict[str, Any]:
-    """The same in a process that may crash, hang or eat memory."""
-    fork = multiprocessing.get_context("fork")
-    mine, theirs = fork.Pipe(duplex=False)
-    process = fork.Process(target=_worker, args=(theirs, source, int(seconds), memory))
-    process.start()
-    theirs.close()
-    try:
-        # Busy neighbours stretch the clock; only a hang takes this long.
-        late = {"state": "hang", "why": f"more than {_PATIENCE * seconds:g} s by the clock"}
-        return dict(mine.recv()) if mine.poll(_PATIENCE * seconds) else late
-    except EOFError:
-        process.join()
-        if process.exitcode == -signal.SIGXCPU:
-            return {"state": "time", "why": f"more than {seconds:g} s", "seconds": seconds}
-        return {"state": "crash", "why": f"the process died ({process.exitcode})"}
-    finally:
-        process.kill()
-        process.join()
+def _told(answer: dict[str, Any] | Died, seconds: int) -> dict[str, Any]:
+    """The row of a mesh that did not end says why; one out of time took all of it."""
+    if not isinstance(answer, Died):
+        return answer
+    spent = {"seconds": seconds} if answer.state == "time" else {}
+    return {"state": answer.state, "why": answer.why, **spent}
 
 
 def table(rows: list[dict[str, Any]], by: str) -> str:
@@ -156,7 +131,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folders", nargs="+", metavar="NAME=FOLDER")
     parser.add_argument("--journal", type=Path)
-    parser.add_argument("--seconds", type=float, default=90.0, help="processor time, a mesh")
+    parser.add_argument("--seconds", type=int, default=90, help="processor time, a mesh")
     parser.add_argument("--memory", type=float, default=4.0, help="GiB, a mesh")
     parser.add_argument("--sample", type=float, default=1.0, help="share of the meshes")
     parser.add_argument("--without", help="folder of that name is left out")
@@ -175,7 +150,7 @@ def main() -> None:
                 continue
             row = journal.get(f"{package} {source.key}")
             if row is None:
-                made = limited(source, options.seconds, int(options.memory * 2**30))
+                made = _told(limited(one, source, options.seconds, options.memory), options.seconds)
                 row = {"package": package, "key": source.key, "mesh": source.name, **made}
                 if options.journal:
                     with options.journal.open("a") as stream:

@@ -12,14 +12,7 @@ fault of the engine; its kind is counted.
 
 from __future__ import annotations
 
-import argparse
-import multiprocessing
-import resource
 import sys
-import time
-import traceback
-from collections import Counter
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "corpu
 
 import guarantees
 from exact import contains, is_convex, volume
+from numbered import parser, run
 from random_solids import Random, solid_of
 
 from assetpipe import decompose
@@ -121,57 +115,5 @@ def judged(number: int) -> str:
     return f"decomposed: {len(d.hulls)} hulls"
 
 
-def place_of(error: BaseException) -> str:
-    """The check that failed, and its line."""
-    frames = traceback.extract_tb(error.__traceback__)
-    frame = next((f for f in frames if f.name.startswith("check_")), frames[-1])
-    return f"{frame.name}, line {frame.lineno}"
-
-
-def run_case(number: int, seconds: int, memory: int, answer: Connection) -> None:
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 10))
-    resource.setrlimit(resource.RLIMIT_AS, (memory << 30, memory << 30))
-    try:
-        answer.send(judged(number))
-    except BaseException as error:
-        answer.send(f"FAILED: {place_of(error)}: {error!r:.300}")
-
-
-def outcome(number: int, seconds: int, memory: int) -> str:
-    """What became of a case in a process of its own."""
-    context = multiprocessing.get_context("fork")
-    mine, its = context.Pipe(duplex=False)
-    child = context.Process(target=run_case, args=(number, seconds, memory, its))
-    child.start()
-    its.close()
-    if not mine.poll(10 * seconds):
-        child.kill()
-    try:
-        told = str(mine.recv())
-    except EOFError:
-        child.join()
-        told = f"FAILED: ended with {child.exitcode}"  # Signals are negative, −24 the time limit.
-    child.join()
-    return told
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Random solids, held to every promise.")
-    parser.add_argument("first", type=int)
-    parser.add_argument("end", type=int)
-    parser.add_argument("--seconds", type=int, default=240, help="processor time of a case")
-    parser.add_argument("--memory", type=int, default=4, help="GB")
-    asked = parser.parse_args()
-    kinds: Counter[str] = Counter()
-    for number in range(asked.first, asked.end):
-        clock = time.perf_counter()
-        told = outcome(number, asked.seconds, asked.memory)
-        kinds[told.split(":")[0]] += 1
-        print(f"{number}: {told} ({time.perf_counter() - clock:.1f} s)", flush=True)
-    for kind, count in kinds.most_common():
-        print(f"{count} {kind}")
-    return 1 if kinds["FAILED"] else 0
-
-
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(run(judged, parser("Random solids, held to every promise.", 240).parse_args()))
