@@ -59,9 +59,9 @@ def normals(v: np.ndarray, f: np.ndarray) -> np.ndarray:
 
 
 def halves(v: np.ndarray, f: np.ndarray, normal: np.ndarray, at: float) -> list[Arrays]:
-    """Both sides of a plane, each closed by a cap; the whole if it is no solid to manifold3d."""
+    """Both sides of a plane, each closed by a cap; the whole if it is no solid."""
     solid = Manifold(ManifoldMesh(np.ascontiguousarray(v), np.ascontiguousarray(f, np.uint64)))
-    if solid.is_empty():
+    if solid.is_empty() or solid.volume() <= 0:
         return [(v, f)]
     meshes = [side.to_mesh64() for side in solid.split_by_plane(normal, at) if not side.is_empty()]
     return [(np.array(m.vert_properties[:, :3]), np.array(m.tri_verts, np.int64)) for m in meshes]

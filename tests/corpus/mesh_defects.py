@@ -212,6 +212,26 @@ def hollow() -> Arrays:
     return join(box(), inverted(box((0.5, 0.5, 0.5))))
 
 
+def turned(part: Arrays, every: int) -> Arrays:
+    """One face in so many the other way round."""
+    vertices, faces = part
+    chosen = np.arange(len(faces)) % every == 0
+    return vertices, np.where(chosen[:, None], faces[:, ::-1], faces)
+
+
+def loose(part: Arrays, again: slice, turn: int = 1) -> Arrays:
+    """Faces with vertices of their own, a hair off; some are there twice, some from both sides."""
+    vertices, faces = part
+    faces = np.vstack([faces, faces[again, ::turn]])
+    corners = vertices[faces].reshape(-1, 3)
+    hair = 1e-9 * np.random.default_rng(5).normal(size=corners.shape)
+    return corners + hair, np.arange(len(corners)).reshape(-1, 3)
+
+
+def sphere_volume(subdivisions: int, radius: float) -> float:
+    return float(trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius).volume)
+
+
 def mesh(part: Arrays) -> Mesh:
     return Mesh(*part)
 
@@ -256,7 +276,7 @@ CASES: tuple[Case, ...] = (
             )
         ),
         "near",
-        float(trimesh.creation.icosphere(subdivisions=3, radius=0.5).volume),
+        sphere_volume(3, 0.5),
     ),
     Case(
         "two boxes overlap",
@@ -310,6 +330,35 @@ CASES: tuple[Case, ...] = (
         "exact",
         0.875,
         codes=("AP207",),
+    ),
+    Case(
+        "cavity, every tenth face turned",
+        lambda: mesh(join(sphere(), turned(inverted(sphere(2, 0.3)), 10))),
+        "exact",
+        sphere_volume(3, 0.5) - sphere_volume(2, 0.3),
+        codes=("AP207",),
+    ),
+    Case(
+        "cavity, all inside-out, every tenth face turned",
+        lambda: mesh(turned(inverted(join(sphere(), inverted(sphere(2, 0.3)))), 10)),
+        "exact",
+        sphere_volume(3, 0.5) - sphere_volume(2, 0.3),
+        codes=("AP207",),
+    ),
+    Case(
+        "cavity, faces loose, some twice",
+        lambda: mesh(loose(hollow(), slice(2, None, 5))),
+        "near",
+        0.875,
+        accuracy=1e-7,
+        codes=("AP207",),
+    ),
+    Case(
+        "faces loose, some from both sides",
+        lambda: mesh(loose(sphere(), slice(0, None, 5), -1)),
+        "near",
+        sphere_volume(3, 0.5),
+        accuracy=1e-7,
     ),
     Case(
         "body in a cavity",

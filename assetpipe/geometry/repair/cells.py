@@ -28,6 +28,8 @@ from assetpipe.geometry.repair.surface import Surface
 _SAMPLES = 5
 _ASIDE = 1e-3
 _NOTHING = 1e-12
+_MOST = 2.0 / 3.0
+"""Share of a skin's area that is drawn inward where it is meant to be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +106,9 @@ def separate(vertices: FloatArray, drawn: IntArray) -> Separated:
     outermost[_outermost(component, cell, volume)] = True
     material |= (np.abs(volume) <= _NOTHING * area) & ~touched & ~outermost
     top, bottom = material[cell[:m]], material[cell[m:]]
+    outward = bottom.astype(float) - top
+    drawn_so = outward * net * winds[lead[order]]
+    inward = np.where(trusted, inward, _agreed(drawn_so, np.abs(outward) * areas, component))
     skin = np.where((top & ~bottom)[:, None], faces[:, ::-1], faces)
     skin = np.where((inward[component] < 0.0)[:, None], skin[:, ::-1], skin)
     return Separated(
@@ -129,6 +134,20 @@ def _trusted(
     result = np.ones(parts, dtype=bool)
     result[component[edges.order[edges.first[odd]] // 3]] = False
     return result
+
+
+def _agreed(agree: FloatArray, areas: FloatArray, component: IntArray) -> FloatArray:
+    """For each component −1 if nearly all of its skin is drawn inward, else 0.
+
+    A few faces the wrong way round do not make a body of a cavity.
+
+    Args:
+        agree: (m,) positive where a face is drawn outward, negative where inward.
+        areas: (m,) of the skin, 0 for other faces.
+        component: (m,).
+    """
+    inward = np.bincount(component, np.where(agree < 0.0, areas, 0.0))
+    return np.where(inward > _MOST * np.bincount(component, areas), -1.0, 0.0)
 
 
 def _winding(

@@ -9,6 +9,7 @@ import numpy as np
 from assetpipe.geometry.health.topology import Edges, distinct, face_components, groups
 from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import IntArray
+from assetpipe.geometry.repair.clean import one_of_each
 from assetpipe.geometry.repair.orient import wind_consistently
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
@@ -117,4 +118,6 @@ def stitched(work: Work, job: Job) -> Work:
         seconds=process_time() - clock,
     )
     moved += work.displacement
+    # Faces that nearly were the same are the same now.
+    faces = one_of_each(faces)
     return work.after(step, vertices=vertices, faces=faces, lost=lost, displacement=moved)
