@@ -38,7 +38,7 @@ _STREAM = 78
 """First word of every case's seed; another number would be other cases."""
 
 _SAMPLE = 4000
-_ROUNDING = 3e-8
+_ROUNDING = 1e-7
 """Of the diagonal: what a root of a squared distance may be off by."""
 _BEYOND = 0.01
 """The share of either surface that may move farther than the budget."""

@@ -68,7 +68,7 @@ def check_mesh(
         f"{skin[worst].round(5).tolist()}, moved {moved:.3g} "
         f"({(uncovered > moved + slack).mean():.2%} of samples)",
     )
-    points, wound, outward, closed = shells_of(vertices, faces)
+    points, windings, closed = shells_of(vertices, faces)
     bounds = []
     cloud, owner = [], []
     per_hull = max(200, samples // max(1, len(read)))
@@ -89,18 +89,18 @@ def check_mesh(
     if upper > entry["tolerance"] * (1 + 1e-12):
         verdict.notes.append(f"{who}: certified {upper:.4g}, tolerance {entry['tolerance']:.4g}")
     points_all, owner_all = np.vstack(cloud), np.concatenate(owner)
-    squared, *_ = igl.point_mesh_squared_distance(points_all, points, outward)
+    squared, *_ = igl.point_mesh_squared_distance(points_all, points, windings[1])
     distance = np.sqrt(np.maximum(np.asarray(squared).ravel(), 0.0))
     allowed = np.array(bounds)[owner_all] + moved
     # Near the surface it does not matter on which side a point lies.
     far = np.flatnonzero(distance > 0.3 * allowed)
-    distance[far[inside(points_all[far], points, (outward, wound))]] = 0.0
+    distance[far[inside(points_all[far], points, windings)]] = 0.0
     suspects = np.flatnonzero(distance > allowed + slack)
     closed_up = entry.get("closed")
     if closed_up and len(suspects):
         # Towards the solid without what nothing can enter: only points that a ball touches count.
         radius = float(closed_up["reach"])
-        suspects = suspects[touched(points_all[suspects], points, (outward, wound), radius)]
+        suspects = suspects[touched(points_all[suspects], points, windings, radius)]
     excess = distance[suspects] - allowed[suspects]
     if len(suspects):
         k = suspects[excess.argmax()]

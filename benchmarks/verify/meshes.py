@@ -35,7 +35,8 @@ def load_original(path: Path) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def shells_of(vertices: np.ndarray, faces: np.ndarray):
-    """Welded vertices, faces as wound in the file, faces with closed shells outward; closed."""
+    """Welded vertices; faces as wound in the file, with closed shells outward, and of these the
+    closed shells only; whether all is closed."""
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     faces = np.asarray(mesh.faces)
@@ -54,7 +55,12 @@ def shells_of(vertices: np.ndarray, faces: np.ndarray):
     volume = np.bincount(labels, np.einsum("ij,ij->i", a, np.cross(b, c)), minlength=count)
     flip = volume[labels] < 0
     faces[flip] = faces[flip][:, ::-1]
-    return points, np.ascontiguousarray(wound), np.ascontiguousarray(faces), mesh.is_watertight
+    # Sheets in or beside a body take from its winding number.
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    used, times = np.unique(np.c_[np.repeat(labels, 3), edges], axis=0, return_counts=True)
+    sealed = np.bincount(used[:, 0], times != 2, minlength=count) == 0
+    windings = tuple(map(np.ascontiguousarray, (wound, faces, faces[sealed[labels]])))
+    return points, windings, mesh.is_watertight
 
 
 def read_hull(path: Path) -> tuple[np.ndarray, list[list[int]], str]:

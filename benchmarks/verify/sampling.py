@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 def inside(queries, vertices, windings) -> np.ndarray:
     """Where the winding number of one of the orientations is above one half."""
     found = np.zeros(len(queries), bool)
-    for faces in windings:
+    for faces in filter(len, windings):
         size = max(1, 20_000_000 // max(1, len(faces)))
         for start in range(0, len(queries), size):
             part = np.ascontiguousarray(queries[start : start + size])
