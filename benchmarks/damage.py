@@ -43,6 +43,9 @@ _ROUNDING = 1e-7
 _BEYOND = 0.01
 """The share of either surface that may move farther than the budget."""
 
+_LINE = 1e-15
+"""Of the squared diagonal: the area of a face that is one in rounding only."""
+
 _MOST_FACES = 6000
 _DOUBTS = {"AP207", "AP208", "AP209"}
 """Findings that say that the solid may be another one than meant."""
@@ -116,10 +119,10 @@ def check_closed(solid: Mesh) -> None:
 def check_deviation(r: Random, mesh: Mesh, made: Repaired, solid: Mesh) -> None:
     """No sampled point is beyond what is said, and few beyond the budget."""
     slack = _ROUNDING * mesh.diagonal + guarantees.rounding(mesh)
-    # A face with a corner twice is a line, no surface.
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    surface = (a != b).any(axis=1) & (b != c).any(axis=1) & (c != a).any(axis=1)
-    used = mesh.vertices[np.unique(mesh.faces[surface])]
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    # A face on one line is no surface.
+    used = mesh.vertices[np.unique(mesh.faces[area > _LINE * mesh.diagonal**2])]
     corners = used[r.permutation(len(used))[:_SAMPLE]]
     old, new = sampled(r, mesh), sampled(r, solid)
     away = np.where(inside(solid, old), 0.0, distances(solid, old))

@@ -8,6 +8,7 @@ from assetpipe.geometry.repair.deviation import RESOLUTION, farthest_each
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, put_together
+from assetpipe.geometry.repair.within import whole
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked, triangles_of
 
@@ -18,14 +19,17 @@ def buried(work: Work, job: Job) -> Work:
         return work
     clock = process_time()
     solid = Surface(*put_together(list(outward(work.shells))))
+    corners, owner = triangles_of(work.patches)
     apart = farthest_each(
         solid,
-        *triangles_of(work.patches),
+        corners,
+        owner,
         len(work.patches),
         side="solid",
         resolution=RESOLUTION,
         floor=job.thickness,
         ceiling=job.thickness,
+        whole=whole(corners, solid.vertices, solid.faces),
         deadline=job.deadline,
     )
     kept = [patch for patch, a in zip(work.patches, apart, strict=True) if a > job.thickness]

@@ -97,8 +97,8 @@ def by_cells(vertices: FloatArray, faces: IntArray, deadline: Deadline = NEVER) 
     result = _divided(shells, connected(vertices, parts.sheets), deadline)
     if not len(parts.inner):
         return result
-    # Cells that leak may put faces inside which are not: these are at fault, too. Then
-    # whether the others are wholly inside is for the next rung to prove.
+    # Cells that leak may put faces inside which are not: these are at fault, too. Whether
+    # the others are wholly inside is for the next rung to prove.
     inner = connected(vertices, parts.inner)
     outside = sum(_area(patch) for patch in inner)
     if shells:
@@ -107,7 +107,7 @@ def by_cells(vertices: FloatArray, faces: IntArray, deadline: Deadline = NEVER) 
         outside -= float(face_areas(vertices, parts.inner[below])[0].sum())
     fault = result.fault + outside
     if fault <= _FLAT * sum(_area(shell) for shell in shells):
-        return result
+        fault = 0.0
     return replace(result, sheets=result.sheets + tuple(inner), fault=fault)
 
 

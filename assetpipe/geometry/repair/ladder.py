@@ -132,7 +132,7 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     work = set_aside(Work(units, weld.faces, steps=steps), job)
     work = flattened(work, job)
     even, odd = halved(work)
-    work = divided(work, even, job)
+    work = buried(divided(work, even, job), job)
     if policy.mode == "strict" and (len(odd) or work.patches):
         return _refused(_open(work, odd), work, "strict repair closes no openings")
     work = _completed(work.after(faces=one_of_each(odd)), job)

@@ -25,7 +25,8 @@ _STITCHES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 def set_aside(work: Work, job: Job) -> Work:
     """Components whose edges all have two faces of the same winding become shells.
 
-    What is left in ``faces`` is what needs repair.
+    What is left in ``faces`` is what needs repair; of a face drawn from both sides that has
+    no other neighbour one side.
     """
     clock = process_time()
     edges = Edges.of(work.faces, len(work.vertices))
@@ -33,10 +34,14 @@ def set_aside(work: Work, job: Job) -> Work:
     rough = np.zeros(number, dtype=bool)
     irregular = np.flatnonzero((edges.count != 2) | (edges.balance != 0))
     rough[label[edges.order[edges.first[irregular]] // 3]] = True
+    rest = rough[label]
     shells = []
     copied = 0
     for k, chosen in enumerate(groups(label, number)):
         if rough[k]:
+            continue
+        if len(chosen) == 2:
+            rest[chosen[0]] = True
             continue
         vertices, faces, added = split_nonmanifold(*referenced(work.vertices, work.faces[chosen]))
         copied += added
@@ -46,7 +51,7 @@ def set_aside(work: Work, job: Job) -> Work:
     if copied:
         what = f"took vertices apart at which pieces only touch ({copied} copies)"
         steps = (Step(Rung.SPLIT, what, seconds=process_time() - clock),)
-    return work.after(*steps, faces=work.faces[rough[label]], shells=tuple(shells))
+    return work.after(*steps, faces=work.faces[rest], shells=tuple(shells))
 
 
 def _shared(faces: IntArray, label: IntArray, rough: np.ndarray) -> int:

@@ -20,6 +20,12 @@ from assetpipe.geometry.repair.unite import shells_of, signed_volume
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Patch, Work, stacked, triangles_of
 
+IF_SOLID = (
+    "if the part is solid, close the mesh or set openings to 'fill', for all (in "
+    "repair:, or --openings fill) or for this link (in links:)"
+)
+"""What to do about an opening that is ambiguous."""
+
 
 def thickened(work: Work, job: Job) -> Work:
     """Rung: what is still open becomes a thick sheet."""
@@ -31,7 +37,7 @@ def thickened(work: Work, job: Job) -> Work:
     for sheet in work.patches:
         own = []
         job.deadline.check()
-        findings += _wide(sheet, job)
+        findings += wide_openings(sheet, job)
         for vertices, faces in manifold_pieces(sheet.vertices, one_of_each(sheet.faces)):
             bounds, wound = _turned(vertices, faces)
             side: Literal["inward", "centred"] = "inward" if bounds else "centred"
@@ -101,7 +107,7 @@ def _turned(vertices: FloatArray, faces: IntArray) -> tuple[bool, IntArray]:
     return True, faces if volume > 0.0 else faces[:, ::-1]
 
 
-def _wide(patch: Patch, job: Job) -> list[Finding]:
+def wide_openings(patch: Patch, job: Job) -> list[Finding]:
     """What to say about the widest opening of a patch that bounds a body nearly."""
     trial = capped(patch.vertices, patch.faces, job)
     wide = np.flatnonzero(trial.apart > job.budget)
@@ -119,7 +125,6 @@ def _wide(patch: Patch, job: Job) -> list[Finding]:
             f"repair budget allows to close; the widest, {opening.width * scale:.4g} m at ({at}) "
             f"and {flat}, was left open and "
             f"the surface given a thickness of {job.thickness * scale:.3g} m",
-            hint="if the part is solid, close the mesh or set openings to 'fill', for all (in "
-            "repair:, or --openings fill) or for this link (in links:)",
+            hint=IF_SOLID,
         )
     ]

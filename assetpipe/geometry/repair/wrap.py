@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.health.topology import Edges, components, face_components
 from assetpipe.geometry.mesh import FloatArray
 from assetpipe.geometry.repair.deviation import RESOLUTION, farthest, farthest_each, quantile
@@ -15,6 +16,7 @@ from assetpipe.geometry.repair.divide import connected
 from assetpipe.geometry.repair.fill import MINOR
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.rows import as_rows
+from assetpipe.geometry.repair.stiffen import IF_SOLID, wide_openings
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, shells_of, signed_volume
 from assetpipe.geometry.repair.winding import CELL, solid_of_soup
@@ -30,14 +32,16 @@ def wrapped(work: Work, job: Job) -> Work:
     clock = process_time()
     shells, kept = list(work.shells), []
     lost = [work.lost]
+    findings: list[Finding] = []
     moved = 0.0
     number = 0
     for group in _neighbours(work.patches, job.budget):
         job.deadline.check()
         patches = [work.patches[i] for i in group]
         found = _wrap(patches, job, minor="kept")
-        if found is None:
+        if not isinstance(found, Wrap):
             kept += patches
+            findings += _nearly(patches, job) if found == "apart" else []
             continue
         shells += found.shells
         lost += [patch.corners for patch in patches]
@@ -45,10 +49,11 @@ def wrapped(work: Work, job: Job) -> Work:
         moved = max(moved, found.apart)
         number += len(patches)
     if not number:
-        return work
+        return work.after(findings=tuple(findings))
     what = f"made {number} open pieces a solid by winding number"
     return work.after(
         _step(what, moved, clock, job),
+        findings=tuple(findings),
         shells=tuple(shells),
         patches=tuple(kept),
         lost=stacked(*lost),
@@ -84,7 +89,7 @@ def enclosed(before: Work, after: Work, job: Job) -> Work | None:
             continue
         job.deadline.check()
         found = _wrap([sheets[i] for i in group], job, minor="closed")
-        if found is None:
+        if not isinstance(found, Wrap):
             continue
         shells += found.shells
         lost += [sheets[i].corners for i in group]
@@ -133,10 +138,31 @@ class Wrap:
     outside: list[int]
 
 
-def _wrap(patches: list[Patch], job: Job, minor: Literal["kept", "closed"]) -> Wrap | None:
+def _nearly(patches: list[Patch], job: Job) -> list[Finding]:
+    """What to say of several pieces, none of which encloses anything alone."""
+    if len(patches) == 1 or any(wide_openings(patch, job) for patch in patches):
+        return []
+    low = np.min([patch.vertices.min(axis=0) for patch in patches], axis=0)
+    high = np.max([patch.vertices.max(axis=0) for patch in patches], axis=0)
+    return [
+        Finding(
+            "AP208",
+            Severity.WARNING,
+            f"{len(patches)} open pieces, {job.frame.scale * np.linalg.norm(high - low):.4g} m "
+            "in size together, nearly enclose a volume; their gaps are wider than the repair "
+            "budget allows to close, and their surfaces were given a thickness",
+            hint=IF_SOLID,
+        )
+    ]
+
+
+def _wrap(
+    patches: list[Patch], job: Job, minor: Literal["kept", "closed"]
+) -> Wrap | Literal["apart"] | None:
     """The solid of some patches, if its surface lies within the budget of the input.
 
-    ``minor="closed"``: but for a share of its area that is minor.
+    ``minor="closed"``: but for a share of its area that is minor. ``"apart"``: it does not;
+    ``None``: the patches enclose nothing, or too much to be computed.
     """
     vertices = np.concatenate([patch.vertices for patch in patches])
     offsets = np.cumsum([0, *(len(patch.vertices) for patch in patches)])
@@ -150,12 +176,12 @@ def _wrap(patches: list[Patch], job: Job, minor: Literal["kept", "closed"]) -> W
     # The coarse solid is as far off as the fine one; only its farthest point is rough.
     share, enough = (1.0, allowed + _TRIAL) if minor == "kept" else (1.0 - MINOR, 1.2 * allowed)
     if quantile(job.surface, trial, side="surface", share=share) > enough:
-        return None
+        return "apart"
     fine = solid_of_soup(vertices, faces, CELL, job.limits.cells, job.deadline)
     if fine is None:
         return None
     if quantile(job.surface, fine, side="surface", share=share) > allowed:
-        return None
+        return "apart"
     apart = farthest(
         job.surface,
         fine[0][fine[1]],
@@ -165,7 +191,7 @@ def _wrap(patches: list[Patch], job: Job, minor: Literal["kept", "closed"]) -> W
         deadline=job.deadline,
     )
     if apart > allowed and minor == "kept":
-        return None
+        return "apart"
     out = farthest_each(
         Surface(*fine),
         *triangles_of(patches),

@@ -44,6 +44,35 @@ def test_sheets_far_apart_stay_sheets_and_are_told() -> None:
     assert any(finding.code == "AP208" for finding in result.findings)
 
 
+def test_plane_sheets_far_apart_are_told_together() -> None:
+    """None of them has an opening that its own cap would not lie on."""
+    shape = trimesh.creation.box()
+    result = repair(in_sheets(shape, 0.1))
+    assert result.solid is not None
+    assert result.rung is Rung.SHEET
+    assert result.solid.volume < 0.2 * shape.volume
+    (told,) = [finding for finding in result.findings if finding.code == "AP208"]
+    assert told.message.startswith("6 open pieces")
+
+
+def test_plane_sheets_that_enclose_nothing_are_not_called_openings() -> None:
+    square = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    beside = square.copy().apply_translation((1.01, 0, 0))
+    both = trimesh.util.concatenate([square, beside])
+    result = repair(Mesh(both.vertices, both.faces))
+    assert result.rung is Rung.SHEET
+    assert not any(finding.code == "AP208" for finding in result.findings)
+
+
+def test_loose_faces_drawn_from_both_sides_are_the_solid_that_they_enclose() -> None:
+    shape = trimesh.creation.icosphere(subdivisions=2)
+    corners = shape.triangles + 1e-3 * (shape.triangles_center[:, None] - shape.triangles)
+    faces = np.arange(3 * len(corners)).reshape(-1, 3)
+    result = repair(Mesh(corners.reshape(-1, 3), np.vstack([faces, faces[:, ::-1]])))
+    assert result.solid is not None
+    assert result.solid.volume == pytest.approx(shape.volume, rel=0.01)
+
+
 def test_sheets_stay_sheets_where_that_is_asked() -> None:
     shape = trimesh.creation.icosphere(subdivisions=3)
     result = repair(in_sheets(shape, GAP), policy=RepairPolicy(openings="sheet"))
