@@ -26,38 +26,59 @@ _TRIAL = 2e-2
 
 
 def wrapped(work: Work, job: Job) -> Work:
-    """Rung: open pieces that enclose a volume together become a solid by winding number."""
+    """Rung: open pieces that enclose a volume together become a solid by winding number.
+
+    Pieces near to each other are tried, then at once all that are left.
+    """
     if not work.patches:
         return work
     clock = process_time()
-    shells, kept = list(work.shells), []
-    lost = [work.lost]
-    findings: list[Finding] = []
-    moved = 0.0
-    number = 0
+    tried = []
     for group in _neighbours(work.patches, job.budget):
-        job.deadline.check()
         patches = [work.patches[i] for i in group]
-        found = _wrap(patches, job, minor="kept")
-        if not isinstance(found, Wrap):
-            kept += patches
-            findings += _nearly(patches, job) if found == "apart" else []
-            continue
-        shells += found.shells
-        lost += [patch.corners for patch in patches]
-        kept += [patches[i] for i in found.outside]
-        moved = max(moved, found.apart)
-        number += len(patches)
-    if not number:
-        return work.after(findings=tuple(findings))
+        tried.append((patches, _wrap(patches, job, minor="kept")))
+    kept = [patch for patches, found in tried for patch in _left(patches, found)]
+    if len(tried) > 1 and _plain(kept, job):
+        tried.append((kept, _wrap(kept, job, minor="kept")))
+        kept = _left(*tried[-1])
+    if tried[-1][1] == "apart" and _plain(kept, job):
+        work = work.after(findings=(_nearly(kept, job),))
+    made = [(patches, found) for patches, found in tried if isinstance(found, Wrap)]
+    if not made:
+        return work
+    moved = max(found.apart for _, found in made)
+    number = sum(len(patches) for patches, _ in made)
     what = f"made {number} open pieces a solid by winding number"
     return work.after(
         _step(what, moved, clock, job),
-        findings=tuple(findings),
-        shells=tuple(shells),
+        shells=(*work.shells, *(shell for _, found in made for shell in found.shells)),
         patches=tuple(kept),
-        lost=stacked(*lost),
+        lost=stacked(work.lost, *(patch.corners for patches, _ in made for patch in patches)),
         beside=max(work.beside, moved),
+    )
+
+
+def _left(patches: list[Patch], found: Wrap | Literal["apart"] | None) -> list[Patch]:
+    """The pieces that stay open."""
+    return [patches[i] for i in found.outside] if isinstance(found, Wrap) else patches
+
+
+def _plain(patches: list[Patch], job: Job) -> bool:
+    """Whether there are several pieces, and none whose own openings are wide."""
+    return len(patches) > 1 and not any(wide_openings(patch, job) for patch in patches)
+
+
+def _nearly(patches: list[Patch], job: Job) -> Finding:
+    """What to say of several pieces, none of which encloses anything alone."""
+    low = np.min([patch.vertices.min(axis=0) for patch in patches], axis=0)
+    high = np.max([patch.vertices.max(axis=0) for patch in patches], axis=0)
+    return Finding(
+        "AP208",
+        Severity.WARNING,
+        f"{len(patches)} open pieces, {job.frame.scale * np.linalg.norm(high - low):.4g} m "
+        "in size together, nearly enclose a volume; their gaps are wider than the repair "
+        "budget allows to close, and their surfaces were given a thickness",
+        hint=IF_SOLID,
     )
 
 
@@ -136,24 +157,6 @@ class Wrap:
     shells: list[Shell]
     apart: float
     outside: list[int]
-
-
-def _nearly(patches: list[Patch], job: Job) -> list[Finding]:
-    """What to say of several pieces, none of which encloses anything alone."""
-    if len(patches) == 1 or any(wide_openings(patch, job) for patch in patches):
-        return []
-    low = np.min([patch.vertices.min(axis=0) for patch in patches], axis=0)
-    high = np.max([patch.vertices.max(axis=0) for patch in patches], axis=0)
-    return [
-        Finding(
-            "AP208",
-            Severity.WARNING,
-            f"{len(patches)} open pieces, {job.frame.scale * np.linalg.norm(high - low):.4g} m "
-            "in size together, nearly enclose a volume; their gaps are wider than the repair "
-            "budget allows to close, and their surfaces were given a thickness",
-            hint=IF_SOLID,
-        )
-    ]
 
 
 def _wrap(

@@ -53,6 +53,9 @@ def test_plane_sheets_far_apart_are_told_together() -> None:
     assert result.solid.volume < 0.2 * shape.volume
     (told,) = [finding for finding in result.findings if finding.code == "AP208"]
     assert told.message.startswith("6 open pieces")
+    filled = repair(in_sheets(shape, 0.1), policy=RepairPolicy(openings="fill"))
+    assert filled.solid is not None
+    assert filled.solid.volume == pytest.approx(shape.volume, rel=0.05)
 
 
 def test_plane_sheets_that_enclose_nothing_are_not_called_openings() -> None:
