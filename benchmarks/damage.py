@@ -1,6 +1,6 @@
 """Damaged meshes through ``repair`` and ``decompose``, held to what both say.
 
-    python benchmarks/damage.py FROM TO [--meshes FOLDER] [--seconds 120] [--memory 4]
+    python benchmarks/damage.py FROM TO [--meshes FOLDER] [--seconds 240] [--memory 4]
 
 Cases are numbered and always the same: a number decides solid and damage (``damaged_meshes.py``).
 Solids are random ones, or the meshes below a folder. Judged is from outside: the solid is closed,
@@ -206,7 +206,7 @@ def judged(meshes: tuple[Path, ...], number: int) -> str:
 
 
 def main() -> int:
-    arguments = parser("Damaged meshes, held to what repair and decompose say.", 120)
+    arguments = parser("Damaged meshes, held to what repair and decompose say.", 240)
     arguments.add_argument("--meshes", type=Path, help="folder of the meshes to damage")
     asked = arguments.parse_args()
     endings = {".stl", ".obj", ".off", ".ply"}

@@ -27,7 +27,7 @@ import numpy as np
 from in_process import Died, limited
 
 from assetpipe.errors import AssetpipeError
-from assetpipe.geometry import read_mesh, repair
+from assetpipe.geometry import Repaired, read_mesh, repair
 from assetpipe.pipeline.identity import digest_file
 from assetpipe.robot import MeshShape, read_robot
 
@@ -94,8 +94,13 @@ def one(source: Source) -> dict[str, Any]:
         "p99": result.deviation.p99 / mesh.diagonal,
         "largest": result.deviation.largest / mesh.diagonal,
         "ambiguous": any(f.code == OPEN for f in result.findings),
+        "folds": any("folds" in text for text in _said(result)),
         "notes": [f.message for f in result.findings],
     }
+
+
+def _said(result: Repaired) -> tuple[str, ...]:
+    return (*(step.what for step in result.steps), *result.notes)
 
 
 def _told(answer: dict[str, Any] | Died, seconds: int) -> dict[str, Any]:
@@ -158,7 +163,9 @@ def main() -> None:
             rows.append(row)
     print(table(rows, "package"), table(rows, "rung"), sep="\n\n")
     states = Counter(row["state"] for row in rows)
-    print("\n" + ", ".join(f"{n} {state}" for state, n in sorted(states.items())))
+    folds = sum(row.get("folds", False) for row in rows)
+    print("\n" + ", ".join(f"{n} {state}" for state, n in sorted(states.items())), end="; ")
+    print(f"{folds} with folds without thickness")
 
 
 def _journal(path: Path | None) -> dict[str, dict[str, Any]]:

@@ -226,7 +226,7 @@ def as_solid(mesh: Source, cavities: Cavities) -> tuple[Mesh, Repaired | None]:
 
     if isinstance(mesh, Repaired):
         return _solid_of(mesh), mesh if mesh.steps or mesh.findings else None
-    mesh = Mesh.of(mesh)
+    mesh = Mesh.of(mesh).without_strays()
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
     mesh.check_size()

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from assetpipe.errors import LimitError, MeshError
 from assetpipe.geometry.products import length, moved, products
+from assetpipe.geometry.strays import referenced
 
 if TYPE_CHECKING:
     import trimesh
@@ -90,10 +91,20 @@ class Mesh:
 
     @cached_property
     def bounds(self) -> FloatArray:
-        """(2, 3) smallest and largest corner, metres."""
-        if not len(self.vertices):
+        """(2, 3) smallest and largest corner of the faces (of the points, if there are none),
+        metres."""
+        points = referenced(self.vertices, self.faces)[0] if len(self.faces) else self.vertices
+        if not len(points):
             return locked(np.zeros((2, 3)))
-        return locked(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+        return locked(np.stack([points.min(axis=0), points.max(axis=0)]))
+
+    def without_strays(self) -> Mesh:
+        """The mesh without vertices that no face uses; itself if there are none.
+
+        The other vertices keep their order and their bits.
+        """
+        vertices, faces = referenced(self.vertices, self.faces)
+        return self if vertices is self.vertices else Mesh(vertices, faces)
 
     def check_size(self) -> None:
         """See whether areas, volumes and their products can be computed.

@@ -25,6 +25,7 @@ import numpy as np
 from assetpipe.geometry.formats.raw import RawMesh
 from assetpipe.geometry.mesh import Mesh
 from assetpipe.geometry.products import turned
+from assetpipe.geometry.strays import referenced
 
 AxisPolicy = Literal["trusted", "declared", "ignored"]
 """Whether a declared up-axis is believed: unless written by habit, always, or never."""
@@ -71,4 +72,8 @@ def to_metres_z_up(raw: RawMesh, *, axes: AxisPolicy = "trusted") -> Converted:
         else:
             notes.append(f"turned from {raw.up_axis} to Z_UP")
             vertices = turned(vertices, _Z_UP_FROM[raw.up_axis])
-    return Converted(Mesh(vertices, raw.faces), (*raw.notes, *notes))
+    faces = raw.faces
+    if len(faces) and faces.min() >= 0 and faces.max() < len(vertices):
+        # Nothing is drawn with the others: they may be anywhere, and need not be numbers.
+        vertices, faces = referenced(vertices, faces)
+    return Converted(Mesh(vertices, faces), (*raw.notes, *notes))

@@ -32,13 +32,3 @@ def degenerate(faces: IntArray) -> IntArray:
     """Indices of faces that name a vertex twice."""
     a, b, c = faces.T
     return np.flatnonzero((a == b) | (b == c) | (c == a))
-
-
-def referenced(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Drop vertices that no face uses; the others keep their order and their bits."""
-    used = np.zeros(len(vertices), dtype=bool)
-    used[faces] = True
-    if used.all():
-        return vertices, faces
-    rank = np.cumsum(used) - 1
-    return vertices[used], rank[faces]

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetpipe.geometry.health.weld import degenerate, exact_duplicates, referenced
+from assetpipe.geometry.health.weld import degenerate, exact_duplicates
 from assetpipe.geometry.mesh import FloatArray, IntArray
+from assetpipe.geometry.strays import referenced
 
 
 @dataclass(frozen=True, eq=False)

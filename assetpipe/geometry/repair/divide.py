@@ -21,7 +21,6 @@ from assetpipe.geometry.health.topology import (
     groups,
     umbrellas,
 )
-from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.cells import separate
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
@@ -39,6 +38,7 @@ from assetpipe.geometry.repair.unite import (
 )
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Patch, Piece, Work
+from assetpipe.geometry.strays import referenced
 
 _FLAT = 1e-9
 _FAR = 1e-3

@@ -19,7 +19,7 @@ from assetpipe.geometry.health.topology import (
     groups,
     umbrellas,
 )
-from assetpipe.geometry.health.weld import degenerate, referenced
+from assetpipe.geometry.health.weld import degenerate
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.deviation import RESOLUTION, farthest_each
 from assetpipe.geometry.repair.holes import Opening, cap, opening_of
@@ -28,6 +28,7 @@ from assetpipe.geometry.repair.split import pair_half_edges
 from assetpipe.geometry.repair.unite import signed_volume
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Piece, Work, stacked
+from assetpipe.geometry.strays import referenced
 
 MINOR = 0.01
 """Share of a piece's area below which openings wider than the budget are closed, too: the

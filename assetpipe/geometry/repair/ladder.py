@@ -7,7 +7,6 @@ from time import process_time
 from assetpipe.errors import LimitError, MeshError
 from assetpipe.findings import Finding, Severity
 from assetpipe.geometry.health.topology import Edges, face_areas, face_components
-from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import IntArray, Mesh
 from assetpipe.geometry.repair.bury import buried
 from assetpipe.geometry.repair.check import defect
@@ -29,6 +28,7 @@ from assetpipe.geometry.repair.unite import Shell, unite
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked
 from assetpipe.geometry.repair.wrap import enclosed, wrapped
+from assetpipe.geometry.strays import referenced
 
 
 def repair(
@@ -37,7 +37,7 @@ def repair(
     """Make a mesh a solid: closed, outward, every edge with exactly two faces.
 
     A mesh that is one already, and has no folds without thickness, comes back unchanged,
-    bit for bit.
+    bit for bit, but for vertices that no face uses.
 
     Args:
         mesh: any triangles, metres.
@@ -55,6 +55,7 @@ def repair(
     limits = limits or RepairLimits()
     if not len(mesh.faces):
         raise MeshError("the mesh has no faces")
+    mesh = mesh.without_strays()
     if len(mesh.faces) > limits.faces:
         return _beyond(f"{len(mesh.faces)} faces; repair takes at most {limits.faces}")
     try:

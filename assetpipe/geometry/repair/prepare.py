@@ -7,7 +7,6 @@ from time import process_time
 import numpy as np
 
 from assetpipe.geometry.health.topology import Edges, distinct, face_components, groups
-from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import IntArray
 from assetpipe.geometry.repair.clean import one_of_each
 from assetpipe.geometry.repair.orient import wind_consistently
@@ -17,6 +16,7 @@ from assetpipe.geometry.repair.stitch import boundary_length, insert_junctions, 
 from assetpipe.geometry.repair.unite import Shell
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked
+from assetpipe.geometry.strays import referenced
 
 _STITCHES = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 """Tolerances of the boundary weld, as shares of the unit; none beyond the budget."""

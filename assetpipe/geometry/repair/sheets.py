@@ -20,12 +20,13 @@ from assetpipe.geometry.health.topology import (
     groups,
     umbrellas,
 )
-from assetpipe.geometry.health.weld import degenerate, referenced
+from assetpipe.geometry.health.weld import degenerate
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.repair.holes import cap, openings
 from assetpipe.geometry.repair.sides import joined_sides, rims, two_sided
 from assetpipe.geometry.repair.split import pair_half_edges, split_nonmanifold
 from assetpipe.geometry.repair.surface import Corners, no_corners
+from assetpipe.geometry.strays import referenced
 
 _MITER = 3.0
 _RANK = 0.02

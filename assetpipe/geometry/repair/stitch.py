@@ -10,11 +10,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from assetpipe.geometry.health.topology import Edges, components, distinct
-from assetpipe.geometry.health.weld import degenerate, referenced
+from assetpipe.geometry.health.weld import degenerate
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.subdivide import insert_on_edges
 from assetpipe.geometry.repair.surface import Corners, no_corners
+from assetpipe.geometry.strays import referenced
 
 _CANDIDATES = 5_000_000
 

@@ -15,7 +15,6 @@ from time import process_time
 import numpy as np
 
 from assetpipe.geometry.health.topology import face_areas
-from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.products import added, length
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
@@ -26,6 +25,7 @@ from assetpipe.geometry.repair.surface import Corners, Surface
 from assetpipe.geometry.repair.unite import Shell, shells_of
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work
+from assetpipe.geometry.strays import referenced
 
 _FLAT = 1e-13
 """Units by which a face without area may be higher than that."""

@@ -12,12 +12,12 @@ from typing import Any, Literal
 import numpy as np
 
 from assetpipe.geometry.health.topology import Edges, face_components, groups
-from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.products import added, products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.rows import as_rows
 from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
+from assetpipe.geometry.strays import referenced
 
 _BELOW = 1e-4
 """How far below a face to look, in proportion to the face."""

@@ -14,7 +14,6 @@ from typing import Literal
 import numpy as np
 
 from assetpipe.geometry.health.topology import distinct, missing
-from assetpipe.geometry.health.weld import referenced
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.products import products
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
@@ -22,6 +21,7 @@ from assetpipe.geometry.repair.frame import doublings
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import arrays_of, manifold_of, signed_volume
+from assetpipe.geometry.strays import referenced
 
 Sense = Literal["outward", "either"]
 CELL = 5e-3

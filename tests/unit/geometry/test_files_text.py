@@ -37,7 +37,7 @@ def read(tmp_path: Path, text: str | bytes, name: str = "a.obj") -> Mesh:
 def test_obj_faces_in_every_spelling(tmp_path: Path, face: str) -> None:
     mesh = read(tmp_path, SQUARE + face + "\n")
     assert mesh.faces.tolist() == [[0, 1, 2]]
-    assert len(mesh.vertices) == 4
+    assert mesh.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
 
 
 def test_obj_indented_with_carriage_returns_and_colours(tmp_path: Path) -> None:
@@ -56,7 +56,9 @@ def test_obj_keeps_vertices_together_across_texture_seams_and_groups(tmp_path: P
 
 def test_negative_indices_count_from_the_vertices_before(tmp_path: Path) -> None:
     text = SQUARE + "f -4 -3 -2\nv 5 5 5\nv 6 5 5\nv 5 6 5\nf -3 -2 -1\n"
-    assert read(tmp_path, text).faces.tolist() == [[0, 1, 2], [4, 5, 6]]
+    mesh = read(tmp_path, text)
+    assert mesh.faces.tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert mesh.vertices[3:].tolist() == [[5, 5, 5], [6, 5, 5], [5, 6, 5]]
 
 
 def test_concave_polygons_are_not_folded_over(tmp_path: Path) -> None:
