@@ -1,4 +1,4 @@
-"""Pairs of faces that cross: a box tree walked level by level, then exact-sided tests."""
+"""Pairs of faces that cross, and pairs of boxes that overlap."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import numpy.typing as npt
 from assetpipe.geometry.mesh import FloatArray, IntArray
 
 _PAIRS = 12_000_000
-_CHUNK = 200_000
-_EPSILON = 1e-13
 
 
 def crossing_faces(
@@ -24,29 +22,23 @@ def crossing_faces(
     Args:
         vertices: (n, 3).
         faces: (m, 3), none degenerate.
-        pairs: how many pairs of boxes may be looked at on one level of the tree.
+        pairs: how many pairs of overlapping boxes may be looked at.
         second: where the faces of a second surface begin: only pairs of both are looked for.
 
     Returns:
         The pairs, or ``None`` if more boxes overlap than ``pairs``.
     """
+    from assetpipe import _core
+
     corners = vertices[faces]
-    centre = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2.0
-    corners = corners - centre
-    size = float(np.abs(corners).max(initial=0.0))
+    centre = (
+        corners.min(axis=(0, 1), initial=np.inf) + corners.max(axis=(0, 1), initial=-np.inf)
+    ) / 2
+    size = float(np.abs(corners - centre).max(initial=0.0))
     if size == 0.0:
         return np.zeros((0, 2), dtype=np.int64)
-    corners = corners / size
-    near = overlapping_boxes(corners.min(axis=1), corners.max(axis=1), pairs, second)
-    if near is None:
-        return None
-    found = [
-        part[_cross(corners, faces, part)]
-        for part in (near[at : at + _CHUNK] for at in range(0, len(near), _CHUNK))
-    ]
-    result = np.concatenate([np.zeros((0, 2), dtype=np.int64), *found])
-    result = np.sort(result, axis=1)
-    return result[np.lexsort((result[:, 1], result[:, 0]))]
+    units = np.ascontiguousarray((vertices - centre) / size)
+    return _core.crossings(units, np.ascontiguousarray(faces), pairs, second)
 
 
 def overlapping_boxes(
@@ -119,60 +111,3 @@ def _spread(x: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
     ):
         x = (x | (x << np.uint64(shift))) & np.uint64(mask)
     return x
-
-
-def _cross(corners: FloatArray, faces: IntArray, pairs: IntArray) -> npt.NDArray[np.bool_]:
-    """Which pairs of faces cross."""
-    result = np.zeros(len(pairs), dtype=bool)
-    near = np.flatnonzero(_astride(corners, *pairs.T) | _astride(corners, *pairs.T[::-1]))
-    result[near] = _meet(corners, faces, pairs[near])
-    return result
-
-
-def _astride(corners: FloatArray, a: IntArray, b: IntArray) -> npt.NDArray[np.bool_]:
-    """Whether faces ``a`` have corners on both sides of the planes of faces ``b``."""
-    triangle = (corners[b, 0], corners[b, 1], corners[b, 2])
-    sides = np.stack([_volume(corners[a, k], *triangle) for k in range(3)])
-    result: npt.NDArray[np.bool_] = (sides.max(axis=0) > _EPSILON) & (sides.min(axis=0) < -_EPSILON)
-    return result
-
-
-def _meet(corners: FloatArray, faces: IntArray, pairs: IntArray) -> npt.NDArray[np.bool_]:
-    """Which pairs of faces cross, of those that may."""
-    a, b = pairs.T
-    shared = faces[a][:, :, None] == faces[b][:, None, :]
-    common = shared.sum(axis=(1, 2))
-    result = np.zeros(len(pairs), dtype=bool)
-    for k in range(3):
-        start, end = corners[a, k], corners[a, (k + 1) % 3]
-        free = (common == 0) | ((common == 1) & ~shared[:, [k, (k + 1) % 3]].any(axis=(1, 2)))
-        result[free] |= _pierces(start[free], end[free], corners[b[free]])
-        start, end = corners[b, k], corners[b, (k + 1) % 3]
-        free = (common == 0) | ((common == 1) & ~shared[:, :, [k, (k + 1) % 3]].any(axis=(1, 2)))
-        result[free] |= _pierces(start[free], end[free], corners[a[free]])
-    return result
-
-
-def _pierces(start: FloatArray, end: FloatArray, triangle: FloatArray) -> npt.NDArray[np.bool_]:
-    """Whether open segments pass through the inside of triangles."""
-    p, q, r = triangle[:, 0], triangle[:, 1], triangle[:, 2]
-    below, above = _volume(start, p, q, r), _volume(end, p, q, r)
-    one, two, three = (
-        _volume(start, end, p, q),
-        _volume(start, end, q, r),
-        _volume(start, end, r, p),
-    )
-    opposite = ((below > _EPSILON) & (above < -_EPSILON)) | (
-        (below < -_EPSILON) & (above > _EPSILON)
-    )
-    inside = ((one > _EPSILON) & (two > _EPSILON) & (three > _EPSILON)) | (
-        (one < -_EPSILON) & (two < -_EPSILON) & (three < -_EPSILON)
-    )
-    result: npt.NDArray[np.bool_] = opposite & inside
-    return result
-
-
-def _volume(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
-    """Six times the signed volume of tetrahedra."""
-    result: FloatArray = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
-    return result

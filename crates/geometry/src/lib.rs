@@ -5,6 +5,7 @@
 
 pub mod bvh;
 pub mod clip;
+pub mod crossing;
 pub mod distance;
 pub mod hull;
 pub mod mesh;

@@ -1,8 +1,8 @@
 //! Cuts and sides, for those who want a core piece by itself.
 
 use assetpipe_geometry::distance::SolidIndex;
-use assetpipe_geometry::{clip, mesh, DVec3, Plane};
-use numpy::{PyArray1, PyReadonlyArray2};
+use assetpipe_geometry::{clip, crossing, mesh, DVec3, Plane};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{arrays, mesh as from_arrays, points as points_of, Arrays};
@@ -38,6 +38,27 @@ pub fn split<'py>(
         cut.below.map(|piece| arrays(py, &piece)),
         cut.above.map(|piece| arrays(py, &piece)),
     ))
+}
+
+/// Pairs of faces that cross, (k, 2), coordinates of one at most; None if the boxes of more than
+/// `most` pairs overlap. `second` is where the faces of a second surface begin.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, most, second=None))]
+pub fn crossings<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, i64>,
+    most: usize,
+    second: Option<usize>,
+) -> PyResult<Option<Bound<'py, PyArray2<i64>>>> {
+    let surface = from_arrays(py, &vertices, &faces)?;
+    let found = py.detach(|| crossing::crossing_pairs(&surface, second, most));
+    found
+        .map(|pairs| {
+            let each = pairs.iter().flatten().map(|face| i64::from(*face));
+            PyArray1::from_iter(py, each).reshape([pairs.len(), 2])
+        })
+        .transpose()
 }
 
 /// A closed solid to ask which points belong to it.

@@ -35,5 +35,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decomposition::unreachable, module)?)?;
     module.add_function(wrap_pyfunction!(decomposition::convex_hull, module)?)?;
     module.add_class::<geometry::Solid>()?;
+    module.add_function(wrap_pyfunction!(geometry::crossings, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::split, module)?)
 }

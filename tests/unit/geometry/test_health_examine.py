@@ -124,17 +124,34 @@ def test_crossing_boxes_intersect_and_neighbours_do_not():
     assert clean.self_intersections.count == 0
 
 
-def test_crossings_agree_with_a_test_of_all_pairs():
-    from assetpipe.geometry.health.crossings import _cross, crossing_faces
+def pierces(start, end, triangle) -> bool:
+    """Whether a segment meets a triangle, by its share of the way and barycentric weights."""
+    a, b, c = triangle
+    matrix = np.stack([start - end, b - a, c - a], axis=1)
+    way, v, w = np.linalg.solve(matrix, start - a)
+    return 0 < way < 1 and v > 0 and w > 0 and v + w < 1
+
+
+@pytest.mark.parametrize("second", [None, 25])
+def test_crossings_agree_with_a_test_of_all_pairs(second):
+    from assetpipe.geometry.health.crossings import crossing_faces
 
     random = np.random.default_rng(1)
     corners = 0.7 * random.random((60, 1, 3)) + 0.5 * random.random((60, 3, 3))
     vertices, faces = corners.reshape(-1, 3), np.arange(180).reshape(-1, 3)
-    found = crossing_faces(vertices, faces)
+    found = crossing_faces(vertices, faces, second=second)
     assert found is not None
-    pairs = np.array([(i, k) for i in range(60) for k in range(i + 1, 60)])
-    size = np.abs(corners - (corners.min((0, 1)) + corners.max((0, 1))) / 2).max()
-    truth = pairs[_cross((corners - corners.mean((0, 1))) / size, faces, pairs)]
+    truth = [
+        [i, k]
+        for i in range(60)
+        for k in range(i + 1, 60)
+        if second is None or i < second <= k
+        if any(
+            pierces(t[m - 1], t[m], u)
+            for t, u in ((corners[i], corners[k]), (corners[k], corners[i]))
+            for m in range(3)
+        )
+    ]
     assert len(truth) > 5
     np.testing.assert_array_equal(found, truth)
 

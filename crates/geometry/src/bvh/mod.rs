@@ -67,6 +67,12 @@ impl Bounds {
         (self.hi - self.lo).length()
     }
 
+    /// Whether the boxes have a point in common.
+    #[inline]
+    pub fn overlaps(&self, other: &Bounds) -> bool {
+        self.lo.cmple(other.hi).all() && other.lo.cmple(self.hi).all()
+    }
+
     /// Squared distance from `q` to the box, zero inside.
     #[inline]
     pub fn distance2(&self, q: DVec3) -> f64 {
