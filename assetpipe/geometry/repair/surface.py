@@ -28,20 +28,8 @@ class Surface:
     def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
         self.vertices = np.ascontiguousarray(vertices)
         self.faces = np.ascontiguousarray(faces)
-        self._tree: Any = None
         self._winding: Any = None
-        self._solid: Any = None
-
-    def _nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
-        import igl
-
-        if self._tree is None:
-            self._tree = igl.AABB()
-            self._tree.init(self.vertices, self.faces)
-        squared, face, point = self._tree.squared_distance(
-            self.vertices, self.faces, np.ascontiguousarray(points)
-        )
-        return np.sqrt(np.maximum(squared, 0.0)), face, point
+        self._index: Any = None
 
     def distance(self, points: FloatArray) -> FloatArray:
         """(n,) distance of each point to the surface."""
@@ -51,7 +39,9 @@ class Surface:
         """(n,) distances, (n,) faces and (n, 3) closest points."""
         if not len(points):
             return np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        return self._nearest(points)
+        result: tuple[FloatArray, IntArray, FloatArray]
+        result = self._indexed().closest(np.ascontiguousarray(points))
+        return result
 
     def winding(self, points: FloatArray) -> FloatArray:
         """(n,) generalized winding number (Barill et al. 2018), to about 1e-2."""
@@ -78,20 +68,20 @@ class Surface:
 
     def contains(self, points: FloatArray) -> npt.NDArray[np.bool_]:
         """(n,) whether points belong to what a closed surface encloses; exact."""
-        result: npt.NDArray[np.bool_] = self._closed().contains(np.ascontiguousarray(points))
+        result: npt.NDArray[np.bool_] = self._indexed().contains(np.ascontiguousarray(points))
         return result
 
     def turns(self, points: FloatArray) -> IntArray:
         """(n,) how often a closed surface goes around each point, once for its own; exact."""
-        result: IntArray = self._closed().winding(np.ascontiguousarray(points))
+        result: IntArray = self._indexed().winding(np.ascontiguousarray(points))
         return result
 
-    def _closed(self) -> Any:
+    def _indexed(self) -> Any:
         from assetpipe import _core
 
-        if self._solid is None:
-            self._solid = _core.Solid(self.vertices, self.faces)
-        return self._solid
+        if self._index is None:
+            self._index = _core.Solid(self.vertices, self.faces)
+        return self._index
 
     def outside(self, points: FloatArray) -> FloatArray:
         """(n,) distance to the solid: zero for points inside by more than :data:`NEAR`."""

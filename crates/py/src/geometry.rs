@@ -8,6 +8,11 @@ use pyo3::prelude::*;
 use crate::arrays::{arrays, mesh as from_arrays, points as points_of, Arrays};
 use crate::errors::{engine_error, mesh_error};
 
+type Closest<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray2<f64>>,
+);
 type Pieces<'py> = (Option<Arrays<'py>>, Option<Arrays<'py>>);
 
 /// Cuts a closed mesh by the plane normal · x = offset: (below, above), each
@@ -61,9 +66,21 @@ pub fn crossings<'py>(
         .transpose()
 }
 
-/// A closed solid to ask which points belong to it.
+/// A surface to ask for distances and, if it is closed, which points belong to its solid.
 #[pyclass(frozen)]
 pub struct Solid(SolidIndex);
+
+impl Solid {
+    /// Distance, face and nearest point; infinitely far from a surface without faces.
+    fn nearest(&self, q: DVec3) -> (f64, i64, DVec3) {
+        let tree = self.0.bvh();
+        self.0.surface(q).map_or((f64::INFINITY, -1, q), |near| {
+            let face = i64::from(tree.original(near.slot));
+            let foot = tree.triangle(near.slot).closest(q);
+            (near.distance2.sqrt(), face, foot)
+        })
+    }
+}
 
 #[pymethods]
 impl Solid {
@@ -86,6 +103,23 @@ impl Solid {
         let asked = points_of(py, &points)?;
         let found = py.detach(|| asked.iter().map(|q| self.0.contains(*q)).collect());
         Ok(PyArray1::from_vec(py, found))
+    }
+
+    /// Of each of (n, 3) points the distance from the surface, the nearest face, and its point
+    /// there.
+    fn closest<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Closest<'py>> {
+        let asked = points_of(py, &points)?;
+        let found: Vec<_> = py.detach(|| asked.iter().map(|q| self.nearest(*q)).collect());
+        let foot = found.iter().flat_map(|(_, _, p)| p.to_array());
+        Ok((
+            PyArray1::from_iter(py, found.iter().map(|(distance, _, _)| *distance)),
+            PyArray1::from_iter(py, found.iter().map(|(_, face, _)| *face)),
+            PyArray1::from_iter(py, foot).reshape([found.len(), 3])?,
+        ))
     }
 
     /// How often the surface goes around each of (n, 3) points; once for points on it.
