@@ -13,7 +13,7 @@ from typing import Literal
 import manifold3d
 import numpy as np
 import trimesh
-from mesh_defects import Arrays, box, inverted, join, sphere
+from mesh_parts import Arrays, box, inverted, join, sphere
 
 from assetpipe.geometry import Mesh
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hard_solids import angle_plate
-from mesh_defects import box
+from mesh_parts import box
 
 from assetpipe import decompose
 from assetpipe.decomposition import certify, inner_hulls
