@@ -31,10 +31,10 @@ def crossing_faces(
     from assetpipe import _core
 
     corners = vertices[faces]
-    centre = (
-        corners.min(axis=(0, 1), initial=np.inf) + corners.max(axis=(0, 1), initial=-np.inf)
-    ) / 2
-    size = float(np.abs(corners - centre).max(initial=0.0))
+    if not corners.size:
+        return np.zeros((0, 2), dtype=np.int64)
+    centre = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2.0
+    size = float(np.abs(corners - centre).max())
     if size == 0.0:
         return np.zeros((0, 2), dtype=np.int64)
     units = np.ascontiguousarray((vertices - centre) / size)

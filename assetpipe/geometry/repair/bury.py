@@ -12,6 +12,9 @@ from assetpipe.geometry.repair.within import whole
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked, triangles_of
 
+_ON = 1e-9
+"""Units from the solid within which a sheet counts as one on it."""
+
 
 def buried(work: Work, job: Job) -> Work:
     """Rung: stray sheets that lie inside the solid, or on it, are dropped."""
@@ -20,6 +23,7 @@ def buried(work: Work, job: Job) -> Work:
     clock = process_time()
     solid = Surface(*put_together(list(outward(work.shells))))
     corners, owner = triangles_of(work.patches)
+    allowed = max(job.thickness, _ON)
     apart = farthest_each(
         solid,
         corners,
@@ -27,18 +31,16 @@ def buried(work: Work, job: Job) -> Work:
         len(work.patches),
         side="solid",
         resolution=RESOLUTION,
-        floor=job.thickness,
-        ceiling=job.thickness,
+        floor=allowed,
+        ceiling=allowed,
         whole=whole(corners, solid.vertices, solid.faces),
         deadline=job.deadline,
     )
-    kept = [patch for patch, a in zip(work.patches, apart, strict=True) if a > job.thickness]
-    gone = [
-        patch.corners for patch, a in zip(work.patches, apart, strict=True) if a <= job.thickness
-    ]
+    kept = [patch for patch, a in zip(work.patches, apart, strict=True) if a > allowed]
+    gone = [patch.corners for patch, a in zip(work.patches, apart, strict=True) if a <= allowed]
     if not gone:
         return work
-    worst = float(apart[apart <= job.thickness].max())
+    worst = float(apart[apart <= allowed].max())
     step = Step(
         Rung.CLEAN,
         f"dropped {counted(len(gone), 'open sheet')} inside the solid",
