@@ -120,14 +120,16 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
             return Repaired(welded, steps)
     frame = Frame.around(weld.vertices)
     units = frame.inward(weld.vertices)
+    # Faces that lost a corner may have reached anywhere: they are no measure.
+    measure = Mesh(weld.vertices, weld.faces)
     job = Job(
         mesh,
         frame,
         Surface(units, weld.faces),
         policy,
         limits,
-        policy.budget_on(mesh) / frame.scale,
-        policy.thickness_on(mesh) / frame.scale,
+        policy.budget_on(measure) / frame.scale,
+        policy.thickness_on(measure) / frame.scale,
         deadline,
     )
     work = set_aside(Work(units, weld.faces, steps=steps), job)
@@ -233,7 +235,7 @@ def _finished(work: Work, job: Job) -> Repaired:
         return _refused(still, work)
     solid = Mesh(vertices, faces)
     deviation = measured(work, job, solid)
-    if job.policy.mode == "strict" and deviation.largest > 1e-9 * job.mesh.diagonal:
+    if job.policy.mode == "strict" and deviation.largest > 1e-9 * solid.diagonal:
         return _refused("strict repair may not move the surface", work)
     asked = job.policy.openings == "fill" or job.policy.thickness is not None
     if not asked and strays(deviation, job, solid):
@@ -255,7 +257,7 @@ def _too_far(deviation: Deviation, work: Work, job: Job) -> Repaired:
         Severity.ERROR,
         f"a hundredth of the surface would move by {deviation.p99 * 1000:.3g} mm and more, "
         f"{deviation.largest * 1000:.3g} mm at most; the budget is "
-        f"{job.policy.budget_on(job.mesh) * 1000:.3g} mm",
+        f"{job.budget * job.frame.scale * 1000:.3g} mm",
         hint="mend the mesh, or allow repair a larger budget",
     )
     return Repaired(None, work.steps, deviation, (*work.findings, finding), notes=work.notes)

@@ -125,7 +125,7 @@ def strays(deviation: Deviation, job: Job, solid: Mesh) -> bool:
 
     A part of the input that bounds nothing, as a lid without thickness over a pocket, may go.
     """
-    budget = job.policy.budget_on(job.mesh)
+    budget = job.budget * job.frame.scale
     if deviation.p99 <= budget or deviation.added_p99 > budget:
         return deviation.p99 > budget
     points = sample(job.surface.vertices, job.surface.faces, _POINTS)

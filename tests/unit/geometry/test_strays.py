@@ -47,6 +47,20 @@ def test_repair_and_decomposition_are_the_same() -> None:
     assert [h.vertices.tobytes() for h in a.hulls] == [h.vertices.tobytes() for h in b.hulls]
 
 
+def test_faces_without_extent_are_no_measure_of_the_budget() -> None:
+    """A corner of one lies a kilometre away: the gap of a metre stays open all the same."""
+    vertices, faces = notched()
+    lid_off = faces[1:]
+    far = len(vertices)
+    mesh = Mesh(np.vstack([vertices, [[1e3, 0, 0]]]), np.vstack([lid_off, [[0, 0, far]]]))
+    plain = repair(Mesh(vertices, lid_off))
+    result = repair(mesh)
+    assert result.solid is not None
+    assert plain.solid is not None
+    assert result.solid.volume == plain.solid.volume
+    assert result.deviation == plain.deviation
+
+
 @pytest.mark.parametrize("stray", ["1000 0 0", "nan nan nan", "inf 0 0"])
 def test_files_are_read_without_them(stray: str, tmp_path: Path) -> None:
     box = trimesh.creation.box()
