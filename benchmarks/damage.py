@@ -139,7 +139,7 @@ def check_deviation(r: Random, mesh: Mesh, made: Repaired, solid: Mesh) -> None:
 
 
 def check_meaning(r: Random, case: Damaged, made: Repaired, solid: Mesh) -> None:
-    """Far from the surface, inside is inside and outside is outside.
+    """Far from both surfaces, inside is inside and outside is outside.
 
     Enclosed voids may have been filled: where their lining is torn, it is a sheet in a solid.
     """
@@ -148,7 +148,7 @@ def check_meaning(r: Random, case: Damaged, made: Repaired, solid: Mesh) -> None
         return
     points = r.uniform(*meant.bounds, (_SAMPLE, 3))
     reach = max(0.015 * meant.diagonal, made.deviation.largest)
-    points = points[distances(meant, points) > reach]
+    points = points[np.minimum(distances(meant, points), distances(case.mesh, points)) > reach]
     expected, found = inside(meant, points), inside(solid, points)
     hollow = expected & ~found
     assert not hollow.any(), f"hollow: {hollow.sum()} of {len(points)}"

@@ -235,6 +235,12 @@ def vessel(opening: float) -> Arrays:
     )
 
 
+def far_balls(gap: float) -> Arrays:
+    """A ball at a corner and three at the ends of its edges, about as large as one together."""
+    ends = np.vstack([np.zeros(3), np.eye(3)])
+    return join(*(sphere(1, 0.5 / gap, at) for at in ends))
+
+
 def quantised(part: Arrays) -> Arrays:
     """As a binary STL stores it."""
     return np.asarray(part[0], dtype=np.float32).astype(float), part[1]
@@ -342,6 +348,7 @@ SOLIDS: tuple[Solid, ...] = (
         (10, 24),
         0.01,
     ),
+    Solid("apart", "balls a hundred thousand sizes apart", lambda: far_balls(1e5), (4, 4)),
     Solid("file", "grate as an STL holds it", lambda: quantised(grate(3)), (6, 20)),
     Solid(
         "file",

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use assetpipe_geometry::distance::SolidIndex;
 use assetpipe_geometry::hull::{convex_hull, HullError};
+use assetpipe_geometry::tolerance::Rounding;
 use assetpipe_geometry::Mesh;
 use glam::DMat3;
 
@@ -213,7 +214,9 @@ fn if_convex(
     let hull = hull?;
     control.go_on()?;
     let own = volume(ordered);
-    if own <= 1e-12 * volume(&hull) {
+    // Little bodies far apart hold little of their hull, too.
+    let little = own <= 1e-12 * volume(&hull);
+    if own <= 0.0 || little && own <= Rounding::of(ordered).volume(ordered) {
         return Err(DecomposeError::Flat { dimension: 3 });
     }
     let affordable = settings.most_vertices == 0 || hull.vertices.len() <= settings.most_vertices;

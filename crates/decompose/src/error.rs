@@ -23,7 +23,7 @@ pub enum DecomposeError {
         count: usize,
     },
     /// The mesh encloses no volume.
-    #[error("the mesh encloses no volume: its vertices span {dimension} dimensions, or its volume is not positive")]
+    #[error("the mesh encloses no volume: its vertices span {dimension} dimensions, or its volume is rounding")]
     Flat {
         /// Dimension of the span of its vertices.
         dimension: usize,
