@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from time import process_time
+from typing import Literal
 
 from assetpipe.errors import LimitError, MeshError
 from assetpipe.findings import Finding, Severity
@@ -19,6 +20,7 @@ from assetpipe.geometry.repair.measured import measured, moved_by_union, strays
 from assetpipe.geometry.repair.overlap import TANGLED, disentangled, overlap
 from assetpipe.geometry.repair.policy import RepairLimits, RepairPolicy
 from assetpipe.geometry.repair.prepare import halved, set_aside, stitched, wound
+from assetpipe.geometry.repair.remake import remade
 from assetpipe.geometry.repair.result import Deviation, Repaired, Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.stiffen import thickened
@@ -185,7 +187,7 @@ def _open(work: Work, odd: IntArray) -> str:
     return f"{faces} faces bound nothing, with {edges} open edges"
 
 
-def _finished(work: Work, job: Job) -> Repaired:
+def _finished(work: Work, job: Job, union: Literal["first", "second"] = "first") -> Repaired:
     """One solid of all closed pieces, checked and measured."""
     clock = process_time()
     shells = tuple(shell for shell in work.shells if not enclosing_nothing(shell))
@@ -200,6 +202,10 @@ def _finished(work: Work, job: Job) -> Repaired:
     if united is None:
         return _refused("the union of its pieces failed", work)
     removed, grown = moved_by_union(united, job.deadline)
+    if union == "first" and max(removed, grown) > job.budget and job.policy.mode != "strict":
+        other = remade(work, job)
+        if other is not work:
+            return _finished(other, job, "second")
     work = work.after(dropped=max(work.dropped, removed), grown=grown)
     vertices, new = job.frame.restored(united.vertices, job.mesh.vertices)
     vertices, faces, _ = split_nonmanifold(*referenced(vertices, united.faces))

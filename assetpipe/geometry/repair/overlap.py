@@ -67,7 +67,7 @@ def disentangled(work: Work, job: Job) -> Work:
         outward = shell if shell.volume > 0.0 else shell.reversed()
         parts = untangled(outward, job.deadline)
         if parts is None or _strays(parts, outward, job):
-            parts = _wrapped(outward, job) if shares[0] > TANGLED else None
+            parts = by_winding(outward, job) if shares[0] > TANGLED else None
         if parts is None:
             if _lost(outward, job.budget) > _INVERTED:
                 hollow.append(Patch(shell.vertices, shell.faces))
@@ -99,8 +99,11 @@ def disentangled(work: Work, job: Job) -> Work:
     return work.after(step)
 
 
-def _wrapped(shell: Shell, job: Job) -> list[Shell] | None:
-    """All that a shell goes around, whichever way, as a body by winding number."""
+def by_winding(shell: Shell, job: Job) -> list[Shell] | None:
+    """All that a shell goes around, whichever way, as a body by winding number.
+
+    ``None`` if that would lie farther from it than the budget.
+    """
     body = solid_of_soup(
         shell.vertices, shell.faces, CELL, job.limits.cells, job.deadline, sense="either"
     )
