@@ -9,7 +9,7 @@ double is left out. Every step makes the area smaller, so they come to an end.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import process_time
 
 import numpy as np
@@ -21,10 +21,10 @@ from assetpipe.geometry.repair.deadline import NEVER, Deadline
 from assetpipe.geometry.repair.deviation import RESOLUTION, Side, farthest
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
-from assetpipe.geometry.repair.surface import Corners, Surface
+from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
 from assetpipe.geometry.repair.unite import Shell, shells_of
 from assetpipe.geometry.repair.wording import counted
-from assetpipe.geometry.repair.work import Job, Work
+from assetpipe.geometry.repair.work import Job, Work, stacked
 from assetpipe.geometry.strays import referenced
 
 _FLAT = 1e-13
@@ -51,6 +51,9 @@ def unfolded(work: Work, job: Job) -> Work:
     shells: list[Shell] = []
     number, left = 0, 0
     beside, dropped, change = 0.0, 0.0, 0.0
+    lost = [work.lost]
+    # What is inside a piece may be in a void that is taken from it later.
+    voids = len({shell.volume > 0.0 for shell in work.shells}) > 1
     for shell in work.shells:
         job.deadline.check()
         result = without_folds(shell, job.deadline)
@@ -63,6 +66,7 @@ def unfolded(work: Work, job: Job) -> Work:
         if result.folds:
             change += added(part.volume for part in result.shells) - shell.volume
         beside, dropped = max(beside, result.added), max(dropped, result.removed)
+        lost += [result.gone] * voids
     stay = f"folds without thickness stay in {counted(left, 'piece')}: they reach too far"
     notes = (stay,) * (left > 0)
     work = work.after(notes=work.notes + notes)
@@ -76,7 +80,9 @@ def unfolded(work: Work, job: Job) -> Work:
         seconds=process_time() - clock,
     )
     beside, dropped = max(beside, work.beside), max(dropped, work.dropped)
-    return work.after(step, shells=tuple(shells), beside=beside, dropped=dropped)
+    return work.after(
+        step, shells=tuple(shells), beside=beside, dropped=dropped, lost=stacked(*lost)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,12 +94,14 @@ class Unfolded:
         folds: how many it had, if any were taken out.
         removed: units, bound on how far the old surface lies from them (zero inside).
         added: units, bound on how far they lie from the old surface.
+        gone: triangles that they have not.
     """
 
     shells: tuple[Shell, ...]
     folds: int = 0
     removed: float = 0.0
     added: float = 0.0
+    gone: Corners = field(default_factory=no_corners)
 
 
 def without_folds(shell: Shell, deadline: Deadline = NEVER) -> Unfolded:
@@ -115,6 +123,7 @@ def without_folds(shell: Shell, deadline: Deadline = NEVER) -> Unfolded:
         len(found),
         _bound(Surface(vertices, faces), shell.vertices[lost], "solid", deadline),
         _bound(Surface(shell.vertices, shell.faces), vertices[fresh], "surface", deadline),
+        shell.vertices[lost],
     )
 
 

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 import trimesh
+from jobs import job_on
 
 from assetpipe import decompose
 from assetpipe.geometry import Mesh, RepairPolicy, is_solid, repair
-from assetpipe.geometry.repair.unfold import folds, without_folds
+from assetpipe.geometry.repair.unfold import folds, unfolded, without_folds
 from assetpipe.geometry.repair.unite import Shell
+from assetpipe.geometry.repair.work import Work
 from assetpipe.validation.contact import contact_truth
 
 
@@ -57,6 +59,20 @@ def test_a_flap_is_taken_out_and_its_reach_is_told():
     assert 0.01 - 1e-12 <= result.deviation.removed <= 0.0106
     assert result.deviation.added < 1e-9
     assert result.steps[-1].moved == pytest.approx(result.moved)
+
+
+@pytest.mark.parametrize("beside", ["a void", "a body"])
+def test_layers_taken_out_are_measured_again_where_voids_are(beside):
+    """What lies inside a piece may be in a void that is taken from it later."""
+    folded = shell(with_flap(0.004))
+    small = shell(Mesh.of(trimesh.creation.box((0.5, 0.5, 0.5))))
+    pieces = (folded, small.reversed() if beside == "a void" else small)
+    work = Work(folded.vertices, folded.faces[:0], shells=pieces)
+    after = unfolded(work, job_on(with_flap(0.004)))
+    assert "folds" in after.steps[-1].what
+    gone = without_folds(folded).gone
+    assert len(gone)
+    np.testing.assert_array_equal(after.lost, gone if beside == "a void" else gone[:0])
 
 
 def test_strict_repair_keeps_what_is_a_solid_with_its_folds():

@@ -4,17 +4,16 @@ import igl
 import numpy as np
 import pytest
 import trimesh
+from jobs import job_on
 
 from assetpipe.geometry import Mesh, RepairPolicy, repair
 from assetpipe.geometry.repair.deadline import NEVER
-from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.measured import moved_by_union, strays
-from assetpipe.geometry.repair.policy import RepairLimits
 from assetpipe.geometry.repair.stitch import weld_boundary
-from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, unite
 from assetpipe.geometry.repair.within import whole
-from assetpipe.geometry.repair.work import Job
+
+NARROW = RepairPolicy(budget=1e-3)
 
 
 def box(size=(1.0, 1.0, 1.0), at=(0.0, 0.0, 0.0), wound="outward"):
@@ -155,18 +154,10 @@ def test_a_body_turned_through_itself_keeps_both_its_ends():
 
 def test_beyond_the_budget_is_what_bounds_something_and_is_far_from_the_solid():
     mesh = joined(box(), box((0.5, 0.5, 0.5), (0.0, 0.0, 0.25), "inward"))
-    result = repair(mesh, policy=RepairPolicy(budget=1e-3))
+    result = repair(mesh, policy=NARROW)
     assert result.solid is not None  # the wall that is lost bounds nothing
-    assert strays(result.deviation, job(mesh), Mesh(*box((0.9, 0.9, 0.9))))
-    assert not strays(result.deviation, job(mesh), result.solid)
-
-
-def job(mesh):
-    frame = Frame.around(mesh.vertices)
-    policy = RepairPolicy(budget=1e-3)
-    surface = Surface(frame.inward(mesh.vertices), mesh.faces)
-    budget = policy.budget_on(mesh) / frame.scale
-    return Job(mesh, frame, surface, policy, RepairLimits(), budget, budget / 4.0, NEVER)
+    assert strays(result.deviation, job_on(mesh, NARROW), Mesh(*box((0.9, 0.9, 0.9))))
+    assert not strays(result.deviation, job_on(mesh, NARROW), result.solid)
 
 
 def test_union_of_shells_side_by_side_needs_no_measure():

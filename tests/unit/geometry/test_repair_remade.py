@@ -8,15 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from jobs import job_on
 
-from assetpipe.geometry import Mesh, RepairLimits, RepairPolicy, Rung
+from assetpipe.geometry import Mesh, Rung
 from assetpipe.geometry.repair.deadline import NEVER
-from assetpipe.geometry.repair.frame import Frame
 from assetpipe.geometry.repair.measured import moved_by_union
 from assetpipe.geometry.repair.remake import remade
-from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import Shell, unite
-from assetpipe.geometry.repair.work import Job, Work
+from assetpipe.geometry.repair.work import Work
 
 
 def torn() -> Shell:
@@ -29,18 +28,9 @@ def box_at(corner: np.ndarray) -> Shell:
     return Shell.of(np.asarray(made.vertices), np.asarray(made.faces))
 
 
-def job(shell: Shell) -> Job:
-    mesh = Mesh(shell.vertices, shell.faces)
-    frame = Frame.around(mesh.vertices)
-    policy = RepairPolicy()
-    surface = Surface(shell.vertices, shell.faces)
-    budget = policy.budget_on(mesh)
-    return Job(mesh, frame, surface, policy, RepairLimits(), budget, budget / 4.0, NEVER)
-
-
 def test_a_piece_that_a_union_would_tear_is_made_a_body_by_winding_number() -> None:
     shell = torn()
-    whole = job(shell)
+    whole = job_on(Mesh(shell.vertices, shell.faces))
     pieces = (shell, box_at(shell.vertices.max(axis=0)))
     before = unite(pieces, "keep")
     assert before is not None
@@ -58,4 +48,4 @@ def test_a_piece_that_a_union_would_tear_is_made_a_body_by_winding_number() -> N
 def test_sound_pieces_stay_as_they_are() -> None:
     shell = box_at(np.zeros(3))
     work = Work(shell.vertices, shell.faces[:0], shells=(shell, shell.reversed()))
-    assert remade(work, job(shell)) is work
+    assert remade(work, job_on(Mesh(shell.vertices, shell.faces))) is work
