@@ -18,7 +18,7 @@ from assetpipe.geometry.health.topology import face_areas
 from assetpipe.geometry.mesh import FloatArray, IntArray
 from assetpipe.geometry.products import added, length
 from assetpipe.geometry.repair.deadline import NEVER, Deadline
-from assetpipe.geometry.repair.deviation import RESOLUTION, Side, farthest
+from assetpipe.geometry.repair.deviation import RESOLUTION, Side, farthest, farthest_each
 from assetpipe.geometry.repair.result import Rung, Step
 from assetpipe.geometry.repair.split import split_nonmanifold
 from assetpipe.geometry.repair.surface import Corners, Surface, no_corners
@@ -66,7 +66,7 @@ def unfolded(work: Work, job: Job) -> Work:
         if result.folds:
             change += added(part.volume for part in result.shells) - shell.volume
         beside, dropped = max(beside, result.added), max(dropped, result.removed)
-        lost += [result.gone] * voids
+        lost += [result.inside] * voids
     stay = f"folds without thickness stay in {counted(left, 'piece')}: they reach too far"
     notes = (stay,) * (left > 0)
     work = work.after(notes=work.notes + notes)
@@ -94,14 +94,14 @@ class Unfolded:
         folds: how many it had, if any were taken out.
         removed: units, bound on how far the old surface lies from them (zero inside).
         added: units, bound on how far they lie from the old surface.
-        gone: triangles that they have not.
+        inside: triangles that they have not, and that lie in what they enclose.
     """
 
     shells: tuple[Shell, ...]
     folds: int = 0
     removed: float = 0.0
     added: float = 0.0
-    gone: Corners = field(default_factory=no_corners)
+    inside: Corners = field(default_factory=no_corners)
 
 
 def without_folds(shell: Shell, deadline: Deadline = NEVER) -> Unfolded:
@@ -118,12 +118,28 @@ def without_folds(shell: Shell, deadline: Deadline = NEVER) -> Unfolded:
     before, after = set(map(tuple, shell.faces.tolist())), set(kept)
     lost = shell.faces[[face not in after for face in map(tuple, shell.faces.tolist())]]
     fresh = faces[[face not in before for face in kept]]
+    new, gone = Surface(vertices, faces), shell.vertices[lost]
+    removed = _bound(new, gone, "solid", deadline)
     return Unfolded(
         tuple(shells_of(*split_nonmanifold(*referenced(vertices, faces))[:2])),
         len(found),
-        _bound(Surface(vertices, faces), shell.vertices[lost], "solid", deadline),
+        removed,
         _bound(Surface(shell.vertices, shell.faces), vertices[fresh], "surface", deadline),
-        shell.vertices[lost],
+        gone[_each_bound(new, gone, deadline) > removed + 2.0 * _SHARP],
+    )
+
+
+def _each_bound(target: Surface, corners: Corners, deadline: Deadline) -> FloatArray:
+    """(n,) how far each triangle reaches from a surface."""
+    number = len(corners)
+    return farthest_each(
+        target,
+        corners,
+        np.arange(number),
+        number,
+        side="surface",
+        resolution=_SHARP,
+        deadline=deadline,
     )
 
 

@@ -61,18 +61,41 @@ def test_a_flap_is_taken_out_and_its_reach_is_told():
     assert result.steps[-1].moved == pytest.approx(result.moved)
 
 
+def with_slit():
+    """A unit box into which a slit of no width goes from the diagonal of its upper side."""
+    box = trimesh.creation.box()
+    vertices, faces = np.asarray(box.vertices), box.faces.tolist()
+    upper = [f for f in faces if all(vertices[v, 2] > 0 for v in f)]
+    rest = [f for f in faces if f not in upper]
+    ends = set(upper[0]) & set(upper[1])
+    tip, middles = len(vertices), (len(vertices) + 1, len(vertices) + 2)
+    for face, middle in zip(upper, middles, strict=True):
+        apex = next(v for v in face if v not in ends)
+        at = face.index(apex)
+        first, second = face[(at + 1) % 3], face[(at + 2) % 3]
+        rest += [[apex, first, middle], [apex, middle, second]]
+        rest += [[middle, first, tip], [second, middle, tip]]
+    return Mesh(np.vstack([vertices, np.zeros(3), [[0, 0, 0.5]] * 2]), np.array(rest))
+
+
 @pytest.mark.parametrize("beside", ["a void", "a body"])
-def test_layers_taken_out_are_measured_again_where_voids_are(beside):
+def test_layers_taken_out_inside_are_measured_again_where_voids_are(beside):
     """What lies inside a piece may be in a void that is taken from it later."""
-    folded = shell(with_flap(0.004))
+    slit = shell(with_slit())
+    inside = without_folds(slit).inside
+    assert inside[:, :, 2].min() == 0.0
     small = shell(Mesh.of(trimesh.creation.box((0.5, 0.5, 0.5))))
-    pieces = (folded, small.reversed() if beside == "a void" else small)
-    work = Work(folded.vertices, folded.faces[:0], shells=pieces)
-    after = unfolded(work, job_on(with_flap(0.004)))
+    pieces = (slit, small.reversed() if beside == "a void" else small)
+    work = Work(slit.vertices, slit.faces[:0], shells=pieces)
+    after = unfolded(work, job_on(with_slit()))
     assert "folds" in after.steps[-1].what
-    gone = without_folds(folded).gone
-    assert len(gone)
-    np.testing.assert_array_equal(after.lost, gone if beside == "a void" else gone[:0])
+    np.testing.assert_array_equal(after.lost, inside if beside == "a void" else inside[:0])
+
+
+def test_layers_beside_a_piece_are_not_measured_twice():
+    folded = without_folds(shell(with_flap(0.004)))
+    assert folded.folds
+    assert not len(folded.inside)
 
 
 def test_strict_repair_keeps_what_is_a_solid_with_its_folds():
