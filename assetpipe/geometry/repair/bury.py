@@ -52,4 +52,4 @@ def buried(work: Work, job: Job) -> Work:
 
 def outward(shells: tuple[Shell, ...]) -> list[Shell]:
     """Shells, those facing inward reversed."""
-    return [shell if shell.volume >= 0.0 else shell.reversed() for shell in shells]
+    return [shell.outward for shell in shells]

@@ -30,8 +30,7 @@ from assetpipe.geometry.repair.split import pair_half_edges, split_nonmanifold
 from assetpipe.geometry.repair.surface import Surface
 from assetpipe.geometry.repair.unite import (
     Shell,
-    arrays_of,
-    different,
+    compared,
     manifold_of,
     put_together,
     shells_of,
@@ -102,7 +101,7 @@ def by_cells(vertices: FloatArray, faces: IntArray, deadline: Deadline = NEVER) 
     inner = connected(vertices, parts.inner)
     outside = sum(_area(patch) for patch in inner)
     if shells:
-        solid = Surface(*put_together([s if s.volume > 0.0 else s.reversed() for s in shells]))
+        solid = Surface(*put_together([shell.outward for shell in shells]))
         below = np.abs(solid.winding(vertices[parts.inner].mean(axis=1))) > 0.5
         outside -= float(face_areas(vertices, parts.inner[below])[0].sum())
     fault = result.fault + outside
@@ -164,12 +163,11 @@ def _distorted(shell: Shell) -> float:
     solid = manifold_of(shell.vertices, shell.faces)
     if solid is None:
         return _area(shell)
-    vertices, faces = arrays_of(solid)
-    gone, put = different(shell.vertices, shell.faces, vertices, faces)
+    tidied = compared(solid, (shell.vertices, shell.faces))
     areas = 0.0
     for target, triangles in (
-        (Surface(shell.vertices, shell.faces), vertices[faces[put]]),
-        (Surface(vertices, faces), shell.vertices[shell.faces[gone]]),
+        (Surface(*tidied.taken), tidied.put),
+        (Surface(tidied.vertices, tidied.faces), tidied.gone),
     ):
         far = target.distance(triangles.mean(axis=1)) > _FAR
         normals = np.cross(

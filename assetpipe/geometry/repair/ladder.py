@@ -116,22 +116,20 @@ def _climb(mesh: Mesh, policy: RepairPolicy, limits: RepairLimits) -> Repaired:
     if not len(weld.faces) or not face_areas(weld.vertices, weld.faces)[0].any():
         finding = Finding("AP204", Severity.ERROR, "all faces are degenerate: there is no surface")
         return Repaired(None, steps, findings=(finding,))
-    if steps and defect(weld.vertices, weld.faces) is None:
-        welded = Mesh(weld.vertices, weld.faces)
-        if _sound(welded, policy):
-            return Repaired(welded, steps)
+    welded = Mesh(weld.vertices, weld.faces)
+    if steps and defect(weld.vertices, weld.faces) is None and _sound(welded, policy):
+        return Repaired(welded, steps)
     frame = Frame.around(weld.vertices)
     units = frame.inward(weld.vertices)
-    # Faces that lost a corner may have reached anywhere: they are no measure.
-    measure = Mesh(weld.vertices, weld.faces)
+    # Faces that lost a corner may have reached anywhere: the budget is of what is left.
     job = Job(
         mesh,
         frame,
         Surface(units, weld.faces),
         policy,
         limits,
-        policy.budget_on(measure) / frame.scale,
-        policy.thickness_on(measure) / frame.scale,
+        policy.budget_on(welded) / frame.scale,
+        policy.thickness_on(welded) / frame.scale,
         deadline,
     )
     work = set_aside(Work(units, weld.faces, steps=steps), job)

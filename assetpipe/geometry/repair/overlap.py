@@ -64,7 +64,7 @@ def disentangled(work: Work, job: Job) -> Work:
             continue
         # What is enclosed inside-out is lost, whether the shell is made another or stays.
         lost.append(shell.vertices[shell.faces])
-        outward = shell if shell.volume > 0.0 else shell.reversed()
+        outward = shell.outward
         parts = untangled(outward, job.deadline)
         if parts is None or _strays(parts, outward, job):
             parts = by_winding(outward, job) if shares[0] > TANGLED else None
@@ -79,7 +79,7 @@ def disentangled(work: Work, job: Job) -> Work:
         fresh += [part.vertices[part.faces] for part in parts]
         done += 1
         change += added(part.volume for part in parts) - outward.volume
-        shells += parts if shell.volume > 0.0 else [part.reversed() for part in parts]
+        shells += parts if shell.volume >= 0.0 else [part.reversed() for part in parts]
     if not done and not left and not hollow:
         return work
     work = work.after(fresh=stacked(*fresh), lost=stacked(*lost), shells=tuple(shells))

@@ -12,7 +12,7 @@ from assetpipe.geometry.repair.divide import enclosing_nothing
 from assetpipe.geometry.repair.measured import moved_by_union
 from assetpipe.geometry.repair.overlap import by_winding
 from assetpipe.geometry.repair.result import Rung, Step
-from assetpipe.geometry.repair.unite import Shell, United, arrays_of, different, manifold_of
+from assetpipe.geometry.repair.unite import Shell, compared, manifold_of
 from assetpipe.geometry.repair.wording import counted
 from assetpipe.geometry.repair.work import Job, Work, stacked
 
@@ -24,14 +24,14 @@ def remade(work: Work, job: Job) -> Work:
     fresh, lost = [work.fresh], [work.lost]
     for shell in work.shells:
         job.deadline.check()
-        outward = shell if shell.volume > 0.0 else shell.reversed()
+        outward = shell.outward
         parts = by_winding(outward, job) if _is_distorted(outward, job) else None
         if parts is None:
             shells.append(shell)
             continue
         fresh += [part.vertices[part.faces] for part in parts]
         lost.append(shell.vertices[shell.faces])
-        shells += parts if shell.volume > 0.0 else [part.reversed() for part in parts]
+        shells += parts if shell.volume >= 0.0 else [part.reversed() for part in parts]
     number = len(lost) - 1
     if not number:
         return work
@@ -50,13 +50,5 @@ def _is_distorted(shell: Shell, job: Job) -> bool:
     solid = manifold_of(shell.vertices, shell.faces)
     if solid is None:
         return True
-    vertices, faces = arrays_of(solid)
-    gone, put = different(shell.vertices, shell.faces, vertices, faces)
-    tidied = United(
-        vertices,
-        faces,
-        gone=shell.vertices[shell.faces[gone]],
-        put=vertices[faces[put]],
-        taken=(shell.vertices, shell.faces),
-    )
+    tidied = compared(solid, (shell.vertices, shell.faces))
     return max(moved_by_union(tidied, job.deadline)) > job.budget

@@ -45,6 +45,11 @@ class Shell:
         vertices, faces = referenced(vertices, faces)
         return cls(vertices, faces, signed_volume(vertices, faces))
 
+    @property
+    def outward(self) -> Shell:
+        """The same surface, facing out of what it encloses."""
+        return self if self.volume >= 0.0 else self.reversed()
+
     def reversed(self) -> Shell:
         """The same surface, facing the other way."""
         return Shell(self.vertices, self.faces[:, ::-1], -self.volume)
@@ -209,17 +214,22 @@ def unite(
     merged = _boolean(shells, bodies + covered, kept, parent, deadline)
     if merged is None:
         return None
-    union, taken = merged
-    vertices, faces = arrays_of(union)
-    gone, put = different(*taken, vertices, faces)
     return replace(
-        found,
-        vertices=vertices,
-        faces=faces,
+        compared(*merged),
+        inverted=found.inverted,
+        cavities=found.cavities,
+        enclosed=found.enclosed,
+        buried=found.buried,
         joined="union",
-        gone=taken[0][taken[1][gone]],
-        put=vertices[faces[put]],
-        taken=taken,
+    )
+
+
+def compared(solid: Any, taken: tuple[FloatArray, IntArray]) -> United:
+    """What manifold3d made of shells, and what of them it has not or has instead."""
+    vertices, faces = arrays_of(solid)
+    gone, put = different(*taken, vertices, faces)
+    return United(
+        vertices, faces, gone=taken[0][taken[1][gone]], put=vertices[faces[put]], taken=taken
     )
 
 
@@ -285,7 +295,7 @@ def _boolean(
     solids: list[Any] = []
     for i in bodies:
         deadline.check()
-        solid = solid_of(shells[i] if shells[i].volume >= 0.0 else shells[i].reversed())
+        solid = solid_of(shells[i].outward)
         for j in voids:
             if parent[j] == i:
                 hole = solid_of(shells[j].reversed())

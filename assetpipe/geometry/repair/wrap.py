@@ -38,10 +38,11 @@ def wrapped(work: Work, job: Job) -> Work:
         patches = [work.patches[i] for i in group]
         tried.append((patches, _wrap(patches, job, minor="kept")))
     kept = [patch for patches, found in tried for patch in _left(patches, found)]
-    if len(tried) > 1 and _plain(kept, job):
+    plain = (len(tried) > 1 or tried[-1][1] == "apart") and _plain(kept, job)
+    if plain and len(tried) > 1:
         tried.append((kept, _wrap(kept, job, minor="kept")))
         kept = _left(*tried[-1])
-    if tried[-1][1] == "apart" and _plain(kept, job):
+    if plain and tried[-1][1] == "apart":
         work = work.after(findings=(_nearly(kept, job),))
     made = [(patches, found) for patches, found in tried if isinstance(found, Wrap)]
     if not made:
